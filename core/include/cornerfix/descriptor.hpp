@@ -1,0 +1,57 @@
+/// \file  What each feature knows of all others: distance and bearing, binned and sorted by
+/// distance.
+///
+/// Peng et al. 2023, section 3.1, eqs. (9)-(13), algorithm 2.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <cornerfix/feature_map.hpp>
+#include <cornerfix/result.hpp>
+
+namespace cornerfix {
+
+struct DescriptorParams {
+  double distance_resolution_m = 0.2;  ///< d_res of eq. (13); > 0.
+  double angle_resolution_rad =
+      3.0 * 0.017453292519943295;  ///< a_res of eq. (12); must divide a turn.
+  double max_distance_m =
+      60.0;  ///< Pairs farther apart are left out, which bounds memory on large maps; > 0.
+};
+
+/// (d_im, a_im, m) of algorithm 2, in bins.
+struct DescriptorEntry {
+  std::uint16_t distance_bin = 0;
+  std::uint16_t angle_bin = 0;
+  std::uint32_t feature = 0;  ///< Index m of the other feature.
+  friend bool operator==(const DescriptorEntry&, const DescriptorEntry&) = default;
+};
+
+/// The descriptors of a feature map, entries of one feature contiguous and ascending in
+/// distance_bin.
+struct DescriptorSet {
+  DescriptorParams params;
+  std::vector<std::uint32_t> offsets;  ///< size() + 1 begins into `entries`.
+  std::vector<DescriptorEntry> entries;
+
+  [[nodiscard]] std::size_t size() const { return offsets.empty() ? 0 : offsets.size() - 1; }
+  [[nodiscard]] std::span<const DescriptorEntry> operator[](std::size_t feature) const {
+    return std::span(entries).subspan(offsets[feature], offsets[feature + 1] - offsets[feature]);
+  }
+  /// nAngle of algorithm 3: bins in a full turn.
+  [[nodiscard]] int angle_bins() const;
+};
+
+/// The first broken limit, or nothing.
+[[nodiscard]] std::optional<Error> validate(const DescriptorParams& params);
+
+/// Algorithm 2. O(n^2 log n) time, O(n^2) memory for n features within max_distance_m of each
+/// other.
+[[nodiscard]] DescriptorSet describe(std::span<const Feature> features,
+                                     const DescriptorParams& params);
+
+}  // namespace cornerfix

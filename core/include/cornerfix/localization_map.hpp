@@ -1,0 +1,35 @@
+/// \file  A stored map, ready to be localized in. Immutable, so any threads may share it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <cornerfix/likelihood_field.hpp>
+#include <cornerfix/mapper.hpp>
+
+namespace cornerfix {
+
+/// Content of one revision of a map with the likelihood fields made from its grid.
+class LocalizationMap {
+ public:
+  /// O(cells). `content.descriptors` must belong to `content.features`.
+  LocalizationMap(std::string name, std::uint64_t revision, MapContent content);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  [[nodiscard]] const std::vector<Feature>& features() const { return content_.features; }
+  [[nodiscard]] const DescriptorSet& descriptors() const { return content_.descriptors; }
+  [[nodiscard]] const OccupancyGrid& grid() const { return content_.grid; }
+  [[nodiscard]] const LikelihoodField& field() const { return field_; }
+
+ private:
+  std::string name_;
+  std::uint64_t revision_;
+  MapContent content_;
+  LikelihoodField field_;
+};
+
+using LocalizationMapPtr = std::shared_ptr<const LocalizationMap>;
+
+}  // namespace cornerfix

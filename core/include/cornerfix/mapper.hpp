@@ -1,0 +1,61 @@
+/// \file  From scans at poses to a map: key frames, features, descriptors and an occupancy grid.
+///
+/// The key frames are the map's source; all else is derived from them and can be made anew, for
+/// instance after an optimised trajectory moved them (end of the paper's section 2).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <cornerfix/descriptor.hpp>
+#include <cornerfix/feature_map.hpp>
+#include <cornerfix/laser_scan.hpp>
+#include <cornerfix/occupancy_grid.hpp>
+#include <cornerfix/vfp_corners.hpp>
+
+namespace cornerfix {
+
+struct MapperParams {
+  double key_frame_distance_m = 0.15;  ///< A scan this far from the last key frame is one; >= 0.
+  double key_frame_angle_rad = 0.14;   ///< Or turned by this much; >= 0.
+  double grid_resolution_m = 0.05;     ///< [m/cell]; > 0.
+  int min_feature_count = 2;           ///< Key frames that must show a feature; >= 1.
+  VfpParams vfp;
+  FeatureMapParams features;
+  DescriptorParams descriptors;
+};
+
+[[nodiscard]] std::optional<Error> validate(const MapperParams& params);
+
+/// What is derived from key frames: all that localizing needs, and nothing else.
+struct MapContent {
+  std::vector<Feature> features;  ///< In `map`.
+  DescriptorSet descriptors;      ///< Of `features`, same order.
+  OccupancyGrid grid;             ///< T_map_grid has yaw 0.
+};
+
+/// Grows a map scan by scan. Value type; not synchronised.
+class Mapper {
+ public:
+  explicit Mapper(MapperParams params = {});
+
+  /// Whether `scan` is far enough from the last key frame to become one.
+  [[nodiscard]] bool is_key_frame(const PosedScan& scan) const;
+
+  /// Adds a key frame: its corners join the features. O(beams).
+  void add(PosedScan key_frame);
+
+  [[nodiscard]] const std::vector<PosedScan>& key_frames() const { return key_frames_; }
+  /// Features that enough key frames have shown so far.
+  [[nodiscard]] std::size_t feature_count() const;
+
+  /// Descriptors and grid of all key frames. O(key frames * beams * range / resolution).
+  [[nodiscard]] MapContent build() const;
+
+ private:
+  MapperParams params_;
+  std::vector<PosedScan> key_frames_;
+  FeatureMap features_;
+};
+
+}  // namespace cornerfix

@@ -1,0 +1,43 @@
+/// \file  Rigid 2D pose from feature correspondences, in spite of wrong ones.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <cornerfix/correspondence.hpp>
+#include <cornerfix/pose2.hpp>
+#include <cornerfix/result.hpp>
+
+namespace cornerfix {
+
+/// Limits of the consensus search (algorithm.md, section 8, starting values).
+struct PoseEstimatorParams {
+  double inlier_distance_m = 0.30;  ///< Largest residual of an inlier; > 0.
+  int min_inliers = 4;              ///< Fewer than this is no pose; >= 2.
+  int max_iterations = 100;         ///< Sampled pairs at most; >= 1.
+  std::uint64_t seed = 1;           ///< Same seed and input give the same answer.
+};
+
+[[nodiscard]] std::optional<Error> validate(const PoseEstimatorParams& params);
+
+/// A candidate answer to "where does the submap lie in the map?".
+struct PoseEstimate {
+  Pose2 T_map_submap;                ///< Takes points of `submap` into `map`.
+  std::vector<std::size_t> inliers;  ///< Ascending indices into the input.
+  double rms_residual_m = 0.0;       ///< Over the inliers.
+};
+
+/// Least-squares rigid transform for correspondences taken as all true; nothing when they all
+/// coincide.
+[[nodiscard]] std::optional<Pose2> fit_rigid(std::span<const Correspondence> correspondences);
+
+/// Finds the pose that the most correspondences agree on: RANSAC over pairs, closed form over the
+/// inliers. Nothing when no pose gathers `min_inliers`: an answer, not an error. O(max_iterations *
+/// n). Keeps no state, so any threads may call it at once. Peng et al. 2023, section 3.3, eq. (16).
+[[nodiscard]] std::optional<PoseEstimate> estimate_pose(
+    std::span<const Correspondence> correspondences, const PoseEstimatorParams& params);
+
+}  // namespace cornerfix

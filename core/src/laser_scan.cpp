@@ -1,0 +1,46 @@
+#include <cornerfix/laser_scan.hpp>
+
+#include <cmath>
+#include <numbers>
+
+namespace cornerfix {
+
+std::optional<Error> validate(const LaserScan& scan) {
+  const auto broken = [](const char* field, const char* message) {
+    return Error{ErrorCode::kInvalidArgument, message, field};
+  };
+  if (!std::isfinite(scan.stamp)) return broken("stamp", "must be a finite number of seconds");
+  if (!std::isfinite(scan.angle_min))
+    return broken("angle_min", "must be a finite angle in radians");
+  if (!std::isfinite(scan.angle_increment) || scan.angle_increment == 0.0) {
+    return broken("angle_increment", "must be a finite angle in radians, not zero");
+  }
+  if (!std::isfinite(scan.range_min) || scan.range_min < 0.0) {
+    return broken("range_min", "must be a finite length in metres, not negative");
+  }
+  if (!std::isfinite(scan.range_max) || scan.range_max <= scan.range_min) {
+    return broken("range_max", "must be a finite length in metres above range_min");
+  }
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  // One beam's width of slack: some drivers repeat the first bearing as the last.
+  const double field_of_view =
+      std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
+  if (field_of_view > kTurn + 2.0 * std::abs(scan.angle_increment) + 1e-3) {
+    return broken("ranges", "cover more than a full turn at this angle_increment");
+  }
+  return std::nullopt;
+}
+
+std::vector<Point2> returns_as_points(const LaserScan& scan) {
+  std::vector<Point2> points;
+  points.reserve(scan.ranges.size());
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    if (!scan.has_return(beam)) continue;
+    const double range = static_cast<double>(scan.ranges[beam]);
+    const double bearing = scan.bearing(beam);
+    points.emplace_back(range * std::cos(bearing), range * std::sin(bearing));
+  }
+  return points;
+}
+
+}  // namespace cornerfix

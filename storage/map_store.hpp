@@ -1,0 +1,100 @@
+/// \file  Named maps in SQLite: key frames (the source) and what is derived from them.
+///
+/// What a call has acknowledged is on disk (WAL, synchronous FULL). Every call is one transaction:
+/// on an error nothing has changed. Not synchronised: a store belongs to one thread at a time; open
+/// one a thread on the same file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cornerfix/mapper.hpp>
+#include <cornerfix/result.hpp>
+
+namespace cornerfix::storage {
+
+class Database;
+
+/// A map's entry, without its content.
+struct MapInfo {
+  std::int64_t id = 0;
+  std::string name;
+  std::string description;
+  std::uint64_t revision = 0;  ///< Grows by one with every change.
+  std::string digest;  ///< Hex SHA-256 of the content: key frames (or grid), parameters; not of
+                       ///< names and dates.
+  std::size_t key_frame_count = 0;
+  std::size_t feature_count = 0;
+  bool has_bounds = false;  ///< False for a map without key frames and grid.
+  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< [m]
+  std::string created;                                        ///< RFC 3339, UTC.
+  std::string updated;
+  std::string lidar_json;       ///< As given by PUT, or empty; opaque to this module.
+  std::string parameters_json;  ///< As given by PUT, or empty; opaque to this module.
+};
+
+/// What POST …/scans adds in one transaction.
+struct MapGrowth {
+  std::span<const double> stamps;  ///< Of all accepted scans, key frames or not: for `duplicates`.
+  std::span<const PosedScan> new_key_frames;                  ///< In order.
+  std::size_t feature_count = 0;                              ///< After the growth.
+  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds after the growth [m].
+};
+
+/// Derived content as stored, with the revision it was made from.
+struct StoredContent {
+  std::uint64_t revision = 0;
+  MapContent content;
+};
+
+class MapStore {
+ public:
+  /// `database` is an open, migrated database; shared with the other stores of the same thread.
+  explicit MapStore(std::shared_ptr<Database> database);
+  ~MapStore();
+  MapStore(MapStore&&) noexcept;
+
+  /// Maps by ascending name, after `after` (exclusive; empty: from the start), at most `limit`.
+  [[nodiscard]] Result<std::vector<MapInfo>> list(std::string_view after, std::size_t limit);
+  [[nodiscard]] Result<MapInfo> find(std::string_view name);  ///< kNotFound.
+
+  /// Creates (true) or describes (false) a map. Parts that are nullopt stay as they are.
+  /// A description alone does not change the revision; lidar and parameters do.
+  [[nodiscard]] Result<bool> put(std::string_view name, std::optional<std::string_view> description,
+                                 std::optional<std::string_view> lidar_json,
+                                 std::optional<std::string_view> parameters_json,
+                                 std::string_view now);
+  [[nodiscard]] Result<void> remove(std::string_view name);
+
+  /// Which of `stamps` the map already holds, same order.
+  [[nodiscard]] Result<std::vector<bool>> known_stamps(std::int64_t map_id,
+                                                       std::span<const double> stamps);
+  /// Adds to the map if it is still at `expected_revision` (else kConflict); returns the new entry.
+  [[nodiscard]] Result<MapInfo> grow(std::int64_t map_id, std::uint64_t expected_revision,
+                                     const MapGrowth& growth, std::string_view now);
+  [[nodiscard]] Result<std::vector<PosedScan>> key_frames(std::int64_t map_id);
+  /// New poses for all key frames, in their order; derived content becomes stale.
+  [[nodiscard]] Result<MapInfo> move_key_frames(std::int64_t map_id,
+                                                std::uint64_t expected_revision,
+                                                std::span<const Pose2> T_map_base_link,
+                                                std::string_view now);
+
+  /// Derived content of the map if it is stored (of whatever revision); the caller compares
+  /// revisions.
+  [[nodiscard]] Result<std::optional<StoredContent>> content(std::int64_t map_id);
+  /// Stores derived content made from `revision`; ignored (no error) when the map has moved on.
+  /// Does not change the revision; updates feature_count.
+  [[nodiscard]] Result<void> store_content(std::int64_t map_id, std::uint64_t revision,
+                                           const MapContent& content);
+
+ private:
+  std::shared_ptr<Database> database_;
+};
+
+}  // namespace cornerfix::storage

@@ -1,0 +1,61 @@
+/// \file  Robot sessions in SQLite, so that they survive a restart: expected sequence, last answer,
+/// localizer state.
+///
+/// Each call is one transaction; not synchronised (one thread at a time). synchronous=NORMAL would
+/// do here and is what the session connection uses: a killed process loses nothing, a power cut may
+/// lose the last batches, which robots see as `expected` and post again.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cornerfix/localizer.hpp>
+#include <cornerfix/result.hpp>
+
+namespace cornerfix::storage {
+
+class Database;
+
+struct SessionRecord {
+  std::string id;
+  std::string robot;
+  std::string created;            ///< RFC 3339, UTC.
+  std::vector<std::string> maps;  ///< As asked for, in order; empty: every map.
+  std::string lidar_json;         ///< Opaque here.
+  std::string options_json;       ///< Opaque here.
+  std::uint64_t expected_sequence = 0;
+  std::string
+      last_answer;  ///< Body of the answer to expected_sequence - 1; empty before the first.
+  LocalizerState state;
+};
+
+/// What one batch (or a reset) changes.
+struct SessionUpdate {
+  std::uint64_t expected_sequence = 0;
+  std::string_view last_answer;
+  const LocalizerState* state = nullptr;  ///< Only submap scans that are not stored yet are
+                                          ///< written; those no longer there go.
+};
+
+class SessionStore {
+ public:
+  explicit SessionStore(std::shared_ptr<Database> database);
+  ~SessionStore();
+  SessionStore(SessionStore&&) noexcept;
+
+  [[nodiscard]] Result<void> insert(const SessionRecord& record);
+  [[nodiscard]] Result<void> update(std::string_view id,
+                                    const SessionUpdate& update);  ///< kNotFound.
+  [[nodiscard]] Result<void> remove(std::string_view id);          ///< kNotFound.
+  [[nodiscard]] Result<std::optional<SessionRecord>> find(std::string_view id);
+  [[nodiscard]] Result<std::vector<SessionRecord>> all();  ///< By creation.
+
+ private:
+  std::shared_ptr<Database> database_;
+};
+
+}  // namespace cornerfix::storage
