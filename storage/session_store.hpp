@@ -35,6 +35,8 @@ struct SessionRecord {
 
 /// What one batch (or a reset) changes.
 struct SessionUpdate {
+  std::uint64_t previous_sequence =
+      0;  ///< Must be what is stored, else kConflict: another process was first.
   std::uint64_t expected_sequence = 0;
   std::string_view last_answer;
   const LocalizerState* state = nullptr;  ///< Only submap scans that are not stored yet are
