@@ -23,6 +23,13 @@ struct Feature {
   int count = 1;        ///< Scans that showed it.
 };
 
+/// The same corner in the target frame of T.
+[[nodiscard]] inline Feature transformed(const Pose2& T, Feature feature) {
+  feature.position = T * feature.position;
+  feature.bisector = wrap_angle(feature.bisector + T.yaw);
+  return feature;
+}
+
 struct FeatureMapParams {
   double suppression_radius_m = 0.35;  ///< Corners nearer than this are one feature; > 0.
 };

@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
-#include <cornerfix/likelihood_field.hpp>
+#include <cornerfix/distance_field.hpp>
 #include <cornerfix/mapper.hpp>
 
 namespace cornerfix {
 
-/// Content of one revision of a map with the likelihood fields made from its grid.
+/// Content of one revision of a map with the distance field made from its grid.
 class LocalizationMap {
  public:
   /// O(cells). `content.descriptors` must belong to `content.features`.
@@ -21,13 +21,13 @@ class LocalizationMap {
   [[nodiscard]] const std::vector<Feature>& features() const { return content_.features; }
   [[nodiscard]] const DescriptorSet& descriptors() const { return content_.descriptors; }
   [[nodiscard]] const OccupancyGrid& grid() const { return content_.grid; }
-  [[nodiscard]] const LikelihoodField& field() const { return field_; }
+  [[nodiscard]] const DistanceField& field() const { return field_; }
 
  private:
   std::string name_;
   std::uint64_t revision_;
   MapContent content_;
-  LikelihoodField field_;
+  DistanceField field_;
 };
 
 using LocalizationMapPtr = std::shared_ptr<const LocalizationMap>;

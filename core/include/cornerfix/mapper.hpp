@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <cornerfix/descriptor.hpp>
 #include <cornerfix/feature_map.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/occupancy_grid.hpp>
+#include <cornerfix/occupancy_mapping.hpp>
 #include <cornerfix/vfp_corners.hpp>
 
 namespace cornerfix {
@@ -18,9 +20,8 @@ namespace cornerfix {
 struct MapperParams {
   double key_frame_distance_m = 0.15;  ///< A scan this far from the last key frame is one; >= 0.
   double key_frame_angle_rad = 0.14;   ///< Or turned by this much; >= 0.
-  double grid_resolution_m = 0.05;     ///< [m/cell]; > 0.
   int min_feature_count = 2;           ///< Key frames that must show a feature; >= 1.
-  VfpParams vfp;
+  OccupancyMappingParams grid;
   FeatureMapParams features;
   DescriptorParams descriptors;
 };
@@ -39,23 +40,32 @@ class Mapper {
  public:
   explicit Mapper(MapperParams params = {});
 
+  /// Why the map cannot take `scan`, or nothing: it would make the grid larger than kMaxCells.
+  [[nodiscard]] std::optional<Error> reject(const PosedScan& scan) const;
+
   /// Whether `scan` is far enough from the last key frame to become one.
   [[nodiscard]] bool is_key_frame(const PosedScan& scan) const;
 
-  /// Adds a key frame: its corners join the features. O(beams).
+  /// Adds a key frame, which must not be rejected: its corners join the features. O(beams).
   void add(PosedScan key_frame);
+
+  static constexpr double kMaxCells = 1e8;  ///< Of the grid: 500 x 500 m at 0.05 m.
 
   [[nodiscard]] const std::vector<PosedScan>& key_frames() const { return key_frames_; }
   /// Features that enough key frames have shown so far.
   [[nodiscard]] std::size_t feature_count() const;
 
-  /// Descriptors and grid of all key frames. O(key frames * beams * range / resolution).
+  /// What the key frames saw; nothing before the first.
+  [[nodiscard]] const std::optional<Bounds>& bounds() const { return bounds_; }
+
+  /// Features, descriptors and grid of all key frames. O(key frames * beams * range / resolution).
   [[nodiscard]] MapContent build() const;
 
  private:
   MapperParams params_;
   std::vector<PosedScan> key_frames_;
   FeatureMap features_;
+  std::optional<Bounds> bounds_;
 };
 
 }  // namespace cornerfix

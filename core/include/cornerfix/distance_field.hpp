@@ -1,0 +1,69 @@
+/// \file  Distance to the nearest wall, by look-up: the field that poses are refined and judged on.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <cornerfix/occupancy_grid.hpp>
+#include <cornerfix/pose2.hpp>
+
+namespace cornerfix {
+
+/// Distances at the centres of the cells of a grid, a byte a cell, capped. Frame `grid` as in
+/// OccupancyGrid. Reading is thread safe; `stamp` is not.
+class DistanceField {
+ public:
+  static constexpr double kStep = 0.01;         ///< Quantisation [m].
+  static constexpr double kMaxDistance = 2.55;  ///< Farther is reported as this [m].
+
+  DistanceField() = default;
+  /// All cells at kMaxDistance.
+  DistanceField(const Pose2& T_frame_grid, double resolution, int width, int height);
+  /// Distance transform to the occupied cells. O(cells).
+  explicit DistanceField(const OccupancyGrid& grid);
+
+  /// Lowers the cells about a point of frame `grid` to their distance from it, within `radius_m`.
+  void stamp(const Point2& point_grid, double radius_m);
+
+  struct Sample {
+    double distance = kMaxDistance;    ///< [m]
+    Point2 gradient = Point2::Zero();  ///< Away from the wall, in frame `grid`; zero outside.
+  };
+  /// Bilinear between cell centres; kMaxDistance outside.
+  [[nodiscard]] Sample sample(const Point2& point_grid) const;
+  /// At the nearest cell centre; kMaxDistance outside.
+  [[nodiscard]] double nearest(const Point2& point_grid) const {
+    const int column = static_cast<int>(point_grid.x() * inverse_resolution_);
+    const int row = static_cast<int>(point_grid.y() * inverse_resolution_);
+    if (point_grid.x() < 0.0 || point_grid.y() < 0.0 || column >= width_ || row >= height_)
+      return kMaxDistance;
+    return kStep * static_cast<double>(steps_[index(column, row)]);
+  }
+
+  [[nodiscard]] const Pose2& T_grid_frame() const {
+    return T_grid_frame_;
+  }  ///< From `map` or `submap`.
+  [[nodiscard]] double resolution() const { return resolution_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  /// Row-major, in units of kStep.
+  [[nodiscard]] std::span<const std::uint8_t> steps() const { return steps_; }
+
+ private:
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
+
+  Pose2 T_grid_frame_;
+  double resolution_ = 0.0;
+  double inverse_resolution_ = 0.0;
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<std::uint8_t> steps_;
+};
+
+}  // namespace cornerfix

@@ -1,0 +1,13 @@
+#include <cornerfix/localization_map.hpp>
+
+#include <utility>
+
+namespace cornerfix {
+
+LocalizationMap::LocalizationMap(std::string name, std::uint64_t revision, MapContent content)
+    : name_(std::move(name)),
+      revision_(revision),
+      content_(std::move(content)),
+      field_(content_.grid) {}
+
+}  // namespace cornerfix

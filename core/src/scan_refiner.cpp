@@ -1,0 +1,83 @@
+#include <cornerfix/scan_refiner.hpp>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace cornerfix {
+namespace {
+
+struct NormalEquations {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  std::size_t inliers = 0;
+};
+
+/// Sums J^T w J and J^T w d over the points; T is base_link in frame `grid`.
+NormalEquations linearize(const DistanceField& field, std::span<const Point2> points,
+                          const Pose2& T, const ScanRefinerParams& params) {
+  const double c = std::cos(T.yaw);
+  const double s = std::sin(T.yaw);
+  const double kernel2 = params.kernel_m * params.kernel_m;
+  const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
+  NormalEquations sum;
+  for (const Point2& p : points) {
+    const Point2 turned{c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+    const DistanceField::Sample sample = field.sample({T.x + turned.x(), T.y + turned.y()});
+    const double d2 = sample.distance * sample.distance;
+    if (d2 > 16.0 * kernel2) continue;  // its weight is under 1/289
+    if (d2 <= kernel2) ++sum.inliers;
+    const double root = kernel2 / (kernel2 + d2);
+    const double weight = root * root * point_information;
+    const double gx = sample.gradient.x();
+    const double gy = sample.gradient.y();
+    const Eigen::Vector3d jacobian{gx, gy, gy * turned.x() - gx * turned.y()};
+    sum.information.noalias() += weight * jacobian * jacobian.transpose();
+    sum.gradient.noalias() += (weight * sample.distance) * jacobian;
+  }
+  return sum;
+}
+
+void add_prior(NormalEquations& sum, const Pose2& T, const Pose2& prior,
+               const Eigen::Vector3d& prior_information) {
+  const Eigen::Vector3d offset{T.x - prior.x, T.y - prior.y, wrap_angle(T.yaw - prior.yaw)};
+  sum.information.diagonal() += prior_information;
+  sum.gradient += prior_information.cwiseProduct(offset);
+}
+
+}  // namespace
+
+RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> points_base_link,
+                        const Pose2& T_frame_base_link, const ScanRefinerParams& params,
+                        const std::optional<PosePrior>& prior) {
+  RefinedPose result{.T_frame_base_link = T_frame_base_link};
+  if (points_base_link.empty()) return result;
+  const Pose2 T_frame_grid = inverse(field.T_grid_frame());
+  Pose2 T = field.T_grid_frame() * T_frame_base_link;
+  Eigen::Vector3d prior_information =
+      Eigen::Vector3d::Constant(1e-3);  // keeps blind directions where they are
+  Pose2 T_prior = T;
+  if (prior) {
+    T_prior = field.T_grid_frame() * prior->T_frame_base_link;
+    const double position = 1.0 / (prior->sigma_position_m * prior->sigma_position_m);
+    prior_information = {position, position, 1.0 / (prior->sigma_yaw_rad * prior->sigma_yaw_rad)};
+  }
+  for (int i = 0; i < params.max_iterations; ++i) {
+    NormalEquations sum = linearize(field, points_base_link, T, params);
+    add_prior(sum, T, prior ? T_prior : T, prior_information);
+    const Eigen::Vector3d step = -sum.information.ldlt().solve(sum.gradient);
+    T = {T.x + step.x(), T.y + step.y(), wrap_angle(T.yaw + step.z())};
+    if (std::abs(step.x()) + std::abs(step.y()) < 5e-4 && std::abs(step.z()) < 2e-4) break;
+  }
+  const NormalEquations at_end = linearize(field, points_base_link, T, params);
+  result.T_frame_base_link = T_frame_grid * T;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // from grid axes to frame axes
+  const double c = std::cos(T_frame_grid.yaw);
+  const double s = std::sin(T_frame_grid.yaw);
+  rotation.topLeftCorner<2, 2>() << c, -s, s, c;
+  result.information = rotation * at_end.information * rotation.transpose();
+  result.inlier_share =
+      static_cast<double>(at_end.inliers) / static_cast<double>(points_base_link.size());
+  return result;
+}
+
+}  // namespace cornerfix
