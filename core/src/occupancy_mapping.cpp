@@ -147,7 +147,8 @@ Bounds bounds_of(const PosedScan& scan, const OccupancyMappingParams& params) {
 
 OccupancyGrid build_occupancy_grid(std::span<const PosedScan> key_frames,
                                    const OccupancyMappingParams& params) {
-  OccupancyGrid grid{.resolution = params.resolution_m};
+  OccupancyGrid grid;
+  grid.resolution = params.resolution_m;
   if (key_frames.empty()) return grid;
   Bounds bounds = bounds_of(key_frames.front(), params);
   for (const PosedScan& key_frame : key_frames) bounds.extend(bounds_of(key_frame, params));
