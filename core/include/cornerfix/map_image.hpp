@@ -1,7 +1,9 @@
 /// \file  ROS map_server files (a yaml and a pgm or png image) to an occupancy grid and back.
 ///
 /// The image's first row is the highest y, as map_server has it. Reading checks the header against
-/// `MapImageLimits` before anything is allocated. Nothing here throws.
+/// `MapImageLimits` before anything is allocated. Where map_server knows percentages (modes scale
+/// and raw), the thresholds decide here too; a pixel that can be seen through is unknown. Nothing
+/// here throws.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +32,8 @@ struct MapImageLimits {
                                               std::span<const std::byte> image,
                                               const MapImageLimits& limits = {});
 
-/// An 8-bit grey png in map_server's trinary colours: occupied 0, free 254, unknown 205.
+/// An 8-bit grey png in map_server's trinary colours: occupied 0, free 254, unknown 205. Empty for
+/// a grid without cells.
 [[nodiscard]] std::vector<std::byte> encode_grid_png(const OccupancyGrid& grid);
 
 /// The yaml beside it: image, resolution, origin, negate, thresholds.

@@ -1,0 +1,265 @@
+#include <cornerfix/map_image.hpp>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <fstream>
+
+namespace cornerfix {
+namespace {
+
+constexpr const char* kYaml = "image: map.pgm\nresolution: 0.1\norigin: [1.0, 2.0, 0.5]\n";
+
+std::string bytes(std::initializer_list<int> values) {
+  std::string out;
+  for (const int value : values) out.push_back(static_cast<char>(value));
+  return out;
+}
+
+Result<OccupancyGrid> parse(const std::string& yaml, const std::string& image,
+                            const MapImageLimits& limits = {}) {
+  return parse_map(yaml, std::as_bytes(std::span(image)), limits);
+}
+
+/// The cells as text, highest row first: '.' free, '#' occupied, '?' unknown.
+std::string drawn(const OccupancyGrid& grid) {
+  std::string out;
+  for (int row = grid.height - 1; row >= 0; --row) {
+    for (int column = 0; column < grid.width; ++column) {
+      out += ".#?"[static_cast<int>(grid.at({column, row}))];
+    }
+    if (row > 0) out += '/';
+  }
+  return out;
+}
+
+std::string drawn(const Result<OccupancyGrid>& grid) {
+  return grid ? drawn(*grid) : grid.error().field + ": " + grid.error().message;
+}
+
+/// A png of the given kind; `rows` holds its raw rows.
+std::string make_png(int color_type, int bit_depth, const std::vector<std::string>& rows, int width,
+                     bool interlaced = false, const std::vector<png_color>& palette = {}) {
+  std::string out;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_set_write_fn(
+      png, &out,
+      [](png_structp p, png_bytep data, std::size_t count) {
+        static_cast<std::string*>(png_get_io_ptr(p))
+            ->append(reinterpret_cast<const char*>(data), count);
+      },
+      [](png_structp) {});
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(rows.size()),
+               bit_depth, color_type, interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (!palette.empty()) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
+  png_write_info(png, info);
+  std::vector<std::string> copies = rows;
+  std::vector<png_bytep> pointers;
+  for (std::string& row : copies) pointers.push_back(reinterpret_cast<png_bytep>(row.data()));
+  png_set_interlace_handling(png);
+  png_write_image(png, pointers.data());
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return out;
+}
+
+TEST(MapImage, PutsTheFirstImageRowAtTheHighestY) {
+  const auto grid = parse(kYaml, "P5\n2 2\n255\n" + bytes({0, 254, 205, 0}));
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(grid->at({0, 1}), Cell::kOccupied);
+  EXPECT_EQ(grid->at({1, 1}), Cell::kFree);
+  EXPECT_EQ(grid->at({0, 0}), Cell::kUnknown);
+  EXPECT_EQ(grid->at({1, 0}), Cell::kOccupied);
+}
+
+TEST(MapImage, TakesResolutionAndOriginWithItsYaw) {
+  const auto grid = parse(kYaml, "P5\n1 1\n255\n" + bytes({0}));
+  ASSERT_TRUE(grid.ok());
+  EXPECT_EQ(grid->resolution, 0.1);
+  EXPECT_EQ(grid->T_map_grid, (Pose2{1.0, 2.0, 0.5}));
+}
+
+TEST(MapImage, ReadsAPlainPgmWithComments) {
+  EXPECT_EQ(drawn(parse(kYaml, "P2 # by hand\n# size\n3 1\n# maximum\n100\n0 100\t80\n")), "#.?");
+}
+
+TEST(MapImage, ReadsSixteenBitValuesHighByteFirst) {
+  EXPECT_EQ(drawn(parse(kYaml, "P5\n2 1\n65535\n" + bytes({0x00, 0xff, 0xff, 0x00}))), "#.");
+}
+
+TEST(MapImage, NegateTurnsBlackIntoFree) {
+  EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: 1\n", "P5\n2 1\n255\n" + bytes({0, 255}))),
+            ".#");
+}
+
+TEST(MapImage, AppliesTheThresholdsOfTheYaml) {
+  const std::string image = "P5\n3 1\n100\n" + bytes({60, 50, 40});  // Occupied by 0.4, 0.5, 0.6.
+  EXPECT_EQ(drawn(parse(kYaml, image)), "???");
+  EXPECT_EQ(drawn(parse(std::string(kYaml) + "occupied_thresh: 0.55\nfree_thresh: 0.45\n", image)),
+            ".?#");
+}
+
+TEST(MapImage, ReadsRawPercentages) {
+  EXPECT_EQ(
+      drawn(parse(std::string(kYaml) + "mode: raw\n", "P5\n4 1\n255\n" + bytes({0, 100, 50, 255}))),
+      ".#??");
+}
+
+TEST(MapImage, ReadsScaleByItsThresholds) {
+  EXPECT_EQ(
+      drawn(parse(std::string(kYaml) + "mode: scale\n", "P5\n3 1\n255\n" + bytes({0, 128, 255}))),
+      "#?.");
+}
+
+TEST(MapImage, ReadsEveryKindOfPng) {
+  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 205, 254})}, 3))),
+            "#?.");
+  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY, 1, {bytes({0b01000000})}, 2))), "#.");
+  EXPECT_EQ(drawn(parse(kYaml,
+                        make_png(PNG_COLOR_TYPE_GRAY, 16, {bytes({0, 0, 205, 205, 254, 254})}, 3))),
+            "#?.");
+  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8,
+                                        {bytes({0, 255, 254, 255, 254, 0})}, 3))),
+            "#.?");
+  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_RGB, 8,
+                                        {bytes({0, 0, 0, 254, 254, 254, 205, 205, 205})}, 3))),
+            "#.?");
+  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_PALETTE, 8, {bytes({1, 0})}, 2, false,
+                                        {{255, 255, 255}, {0, 0, 0}}))),
+            "#.");
+}
+
+TEST(MapImage, ReadsAnInterlacedPng) {
+  std::vector<std::string> rows;
+  for (int row = 0; row < 9; ++row) {
+    std::string pixels(9, static_cast<char>(254));
+    pixels[static_cast<std::size_t>(row)] = 0;
+    rows.push_back(pixels);
+  }
+  const auto grid = parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY, 8, rows, 9, true));
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 9; ++column) {
+      EXPECT_EQ(grid->at({column, 8 - row}), row == column ? Cell::kOccupied : Cell::kFree);
+    }
+  }
+}
+
+TEST(MapImage, SurvivesEveryCutOfAPng) {
+  std::string row(40, static_cast<char>(254));
+  for (std::size_t i = 0; i < row.size(); ++i) row[i] = static_cast<char>(i * 37);
+  const std::string png = make_png(PNG_COLOR_TYPE_GRAY, 8, {row, row, row}, 40);
+  for (std::size_t size = 0; size + 16 < png.size(); ++size) {
+    EXPECT_FALSE(parse(kYaml, png.substr(0, size)).ok()) << size;
+  }
+}
+
+TEST(MapImage, RefusesWhatIsBroken) {
+  const std::string image = "P5\n1 1\n255\n" + bytes({0});
+  const std::vector<std::pair<std::string, std::string>> yaml_and_field = {
+      {"]", "yaml"},
+      {"- a list", "yaml"},
+      {"resolution: 0.1\norigin: [0, 0, 0]\n", "image"},
+      {"image: a\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: 0\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: .nan\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: 0.1\n", "origin"},
+      {"image: a\nresolution: 0.1\norigin: [0, 0]\n", "origin"},
+      {"image: a\nresolution: 0.1\norigin: [0, 0, east]\n", "origin"},
+      {std::string(kYaml) + "negate: maybe\n", "negate"},
+      {std::string(kYaml) + "occupied_thresh: 1.5\n", "occupied_thresh"},
+      {std::string(kYaml) + "free_thresh: 0.9\n", "free_thresh"},
+      {std::string(kYaml) + "mode: colourful\n", "mode"},
+  };
+  for (const auto& [yaml, field] : yaml_and_field) {
+    const auto grid = parse(yaml, image);
+    ASSERT_FALSE(grid.ok()) << yaml;
+    EXPECT_EQ(grid.error().field, field) << yaml;
+  }
+  for (const char* broken :
+       {"", "P", "P5", "P6\n1 1\n255\n...", "P5\n1 1\n0\n.", "P5\n1 1\n70000\n..",
+        "P5\n-1 1\n255\n.", "P5\n0 4\n255\n", "P5\n2 2\n255\n...", "P5\n1 1\n10\n\x0b",
+        "P2\n2 1\n255\n7", "P2\n2 1\n255\n7 x", "P2\n1 1\n255\n256", "\x89PNG\r\n\x1a\n",
+        "GIF89a"}) {
+    const auto grid = parse(kYaml, broken);
+    ASSERT_FALSE(grid.ok()) << broken;
+    EXPECT_EQ(grid.error().code, ErrorCode::kMalformed) << broken;
+    EXPECT_FALSE(grid.error().message.empty());
+  }
+}
+
+TEST(MapImage, RefusesASizeAboveItsLimitByTheHeaderAlone) {
+  for (const char* header : {"P5\n100000 100000\n255\n", "P2\n9000000000 1\n255\n"}) {
+    const auto grid = parse(kYaml, header);
+    ASSERT_FALSE(grid.ok());
+    EXPECT_EQ(grid.error().code, ErrorCode::kTooLarge) << grid.error().message;
+  }
+  const std::string png = make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 0}), bytes({0, 0})}, 2);
+  EXPECT_TRUE(parse(kYaml, png, {.max_cells = 4}).ok());
+  EXPECT_EQ(parse(kYaml, png, {.max_cells = 3}).error().code, ErrorCode::kTooLarge);
+}
+
+OccupancyGrid small_grid() {
+  OccupancyGrid grid;
+  grid.resolution = 0.0504;
+  grid.T_map_grid = {-1.25, 1.0 / 3.0, 3.14};
+  grid.width = 3;
+  grid.height = 2;
+  grid.cells = {Cell::kFree,    Cell::kOccupied, Cell::kUnknown,
+                Cell::kUnknown, Cell::kFree,     Cell::kOccupied};
+  return grid;
+}
+
+TEST(MapImage, ReadsBackWhatItWrote) {
+  const OccupancyGrid grid = small_grid();
+  const auto again = parse_map(encode_grid_yaml(grid, "a map: 1.png"), encode_grid_png(grid));
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(*again, grid);
+}
+
+class MapFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = std::filesystem::path(testing::TempDir()) /
+                 testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::create_directories(directory_ / "images");
+  }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+  void write(const std::filesystem::path& name, std::string_view content) {
+    std::ofstream(directory_ / name, std::ios::binary) << content;
+  }
+  std::filesystem::path directory_;
+};
+
+TEST_F(MapFiles, AreReadWithTheImageBesideTheYaml) {
+  const auto png = encode_grid_png(small_grid());
+  write("map.yaml", encode_grid_yaml(small_grid(), "images/map.png"));
+  write("images/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  const auto grid = read_map_files(directory_ / "map.yaml");
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(*grid, small_grid());
+}
+
+TEST_F(MapFiles, SayWhichFileIsMissing) {
+  write("map.yaml", encode_grid_yaml(small_grid(), "images/gone.png"));
+  const auto no_image = read_map_files(directory_ / "map.yaml");
+  ASSERT_FALSE(no_image.ok());
+  EXPECT_EQ(no_image.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(no_image.error().field, (directory_ / "images/gone.png").string());
+  const auto no_yaml = read_map_files(directory_ / "gone.yaml");
+  ASSERT_FALSE(no_yaml.ok());
+  EXPECT_EQ(no_yaml.error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(MapFiles, NameTheFileAndTheWrongKey) {
+  write("map.yaml", "image: map.png\nresolution: -1\norigin: [0, 0, 0]\n");
+  const auto grid = read_map_files(directory_ / "map.yaml");
+  ASSERT_FALSE(grid.ok());
+  EXPECT_EQ(grid.error().field, (directory_ / "map.yaml").string());
+  EXPECT_EQ(grid.error().message, "resolution: expected metres a cell above 0");
+}
+
+}  // namespace
+}  // namespace cornerfix
