@@ -1,6 +1,7 @@
 /// \file  Errors as RFC 9457 problem documents, and the one table from error code to HTTP status.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,7 +18,7 @@ struct FieldError {
 
 struct Problem {
   int status = 500;
-  std::string code;  ///< Stable, snake_case: "invalid_argument", "sequence_conflict", …
+  std::string code;  ///< Stable, snake_case: "invalid_argument", "conflict", …
   std::string title;
   std::string detail;
   std::vector<FieldError> errors;
@@ -25,8 +26,31 @@ struct Problem {
 };
 
 [[nodiscard]] int http_status(ErrorCode code);
+
+/// A problem with the status, stable code and title that belong to `code`.
+[[nodiscard]] Problem make_problem(ErrorCode code, std::string detail);
+
+/// What a caller may know of `error`: the text of internal and corrupt-data errors stays out, it
+/// belongs in the log. A `field` becomes an entry of `errors` when the caller's input was wrong.
 [[nodiscard]] Problem to_problem(const Error& error);
-/// application/problem+json body.
+
+/// application/problem+json body. `type` is "urn:cornerfix:problem:" and the code. Never fails:
+/// bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string render(const Problem& problem);
+
+/// Gathers what is wrong with a request; the first `kMaxListed` are told.
+class FieldErrors {
+ public:
+  static constexpr std::size_t kMaxListed = 20;
+
+  void add(std::string pointer, std::string detail);
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  /// A 422 that lists them.
+  [[nodiscard]] Problem to_problem() &&;
+
+ private:
+  std::vector<FieldError> listed_;
+  std::size_t count_ = 0;
+};
 
 }  // namespace cornerfix::api

@@ -2,7 +2,8 @@
 ///
 /// Bodies are JSON (scans by simdjson), CBOR or MessagePack by content type. A parse gives a
 /// request that is valid in every field, or a Problem with a pointer to each wrong one (at most
-/// 20). Limits are checked while parsing.
+/// 20). Limits are checked while parsing. Unknown members are ignored, but in `options` and
+/// `parameters` they are wrong. A member that is there twice makes a body malformed.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,8 @@ struct RequestLimits {
 
 enum class BodyFormat { kJson, kCbor, kMessagePack };
 
-/// `lidar` of the contract. `beams` from the first scan when not given.
+/// `lidar` of the contract. `beams` from the first scan when not given: after a parse of scans the
+/// caller fixes it for the batches to come, with lidar_to_json().
 struct Lidar {
   double angle_min = 0.0;
   double angle_increment = 0.0;
@@ -35,6 +37,7 @@ struct Lidar {
   double range_max = 0.0;
   std::optional<std::size_t> beams;
   Pose2 T_base_link_laser;
+  friend bool operator==(const Lidar&, const Lidar&) = default;
 };
 
 struct PutMapRequest {
@@ -43,6 +46,7 @@ struct PutMapRequest {
   std::optional<std::string> parameters_json;  ///< Normalised text of the validated member.
 };
 struct MapScansRequest {
+  /// The body's, or else the map's; with `beams`. Nothing when each scan brings its own.
   std::optional<Lidar> lidar;
   std::vector<PosedScan> scans;
 };
@@ -51,7 +55,7 @@ struct StampedPose {
   Pose2 T_map_base_link;
 };
 struct TrajectoryRequest {
-  std::vector<StampedPose> poses;
+  std::vector<StampedPose> poses;  ///< At least one, as given, in any order.
 };
 struct CreateSessionRequest {
   std::string robot;
@@ -62,11 +66,10 @@ struct CreateSessionRequest {
 };
 struct SessionScansRequest {
   std::uint64_t sequence = 0;
-  std::vector<RobotScan> scans;
+  std::vector<RobotScan> scans;  ///< At least one, stamps strictly increase.
 };
 struct LocalizeRequest {
-  Lidar lidar;
-  std::vector<RobotScan> scans;
+  std::vector<RobotScan> scans;  ///< At least one, stamps strictly increase.
   LocalizerParams params;
 };
 
@@ -74,7 +77,8 @@ template <typename T>
 using Parsed = std::variant<T, Problem>;
 
 [[nodiscard]] Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format);
-/// `lidar` is the map's, used where the body has none; beams are checked against it.
+/// `lidar` is the map's, used where the body has none. A body that repeats it without `beams` means
+/// the same lidar, so the map's number of beams holds.
 [[nodiscard]] Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format,
                                                       const std::optional<Lidar>& lidar,
                                                       const RequestLimits& limits);
@@ -87,10 +91,18 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] Parsed<LocalizeRequest> parse_localize(std::string_view body, BodyFormat format,
                                                      const RequestLimits& limits);
 
-/// From what the store kept; the texts were made by a parse above, so they are valid.
+[[nodiscard]] std::string lidar_to_json(const Lidar& lidar);
+
+/// From what the store kept; the texts were made by a parse above, so they are valid. An empty text
+/// gives nothing, or the defaults.
 [[nodiscard]] std::optional<Lidar> lidar_from_json(std::string_view lidar_json);
 [[nodiscard]] LocalizerParams params_from_json(std::string_view options_json);
 [[nodiscard]] MapperParams mapper_params_from_json(std::string_view parameters_json);
+
+/// `bbox` of a query: "x0,y0,x1,y1" in `map` [m], any two opposite corners.
+[[nodiscard]] Parsed<Bounds> parse_bbox(std::string_view text);
+/// `limit` of a query: 1 to 1000.
+[[nodiscard]] Parsed<std::size_t> parse_page_limit(std::string_view text);
 
 /// [A-Za-z0-9][A-Za-z0-9._-]{0,127}
 [[nodiscard]] bool is_valid_name(std::string_view name);

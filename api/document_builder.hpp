@@ -1,0 +1,86 @@
+/// \file  Builds a request's document from parse events, whatever the format.
+///
+/// Speaks nlohmann's SAX interface. The numbers of /scans/*/ranges never become JSON values: they
+/// go straight into float arrays, because they are nearly all of a request. Nesting, number of
+/// values, scans and beams are bounded while parsing, so no body can make it take much memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/problem.hpp"
+#include "api/requests.hpp"
+
+namespace cornerfix::api {
+
+/// A body as read, not yet validated.
+struct Document {
+  nlohmann::json root;
+  /// By scan. Where the body has an array `ranges`, `root` has an empty one in its place and the
+  /// values are here; null is NaN.
+  std::vector<std::vector<float>> ranges;
+  FieldErrors errors;  ///< Values inside of `ranges` that are neither number nor null.
+};
+
+class DocumentBuilder {
+ public:
+  static constexpr std::size_t kMaxDepth = 16;
+  static constexpr std::size_t kMaxValues = 500'000;  ///< Without ranges.
+
+  explicit DocumentBuilder(const RequestLimits& limits) : limits_(limits) {}
+
+  // Events; false: stop, problem() says why.
+  bool null();
+  bool boolean(bool value);
+  bool number_integer(std::int64_t value);
+  bool number_unsigned(std::uint64_t value);
+  bool number_float(double value, const std::string& token);
+  bool string(std::string& value);
+  bool binary(nlohmann::json::binary_t& value);
+  bool start_object(std::size_t size);
+  bool key(std::string& name);
+  bool end_object();
+  bool start_array(std::size_t size);
+  bool end_array();
+  bool parse_error(std::size_t position, const std::string& token,
+                   const nlohmann::json::exception& error);
+
+  /// Whether a number would be the range of a beam; range() takes it faster than an event.
+  [[nodiscard]] bool in_ranges() const { return aside_ == Aside::kRanges && aside_depth_ == 1; }
+  bool range(double value_m);
+
+  /// Gives up with `problem`; false, so that an event can return it.
+  bool fail(Problem problem);
+  [[nodiscard]] const std::optional<Problem>& problem() const { return problem_; }
+  /// After the last event, without a problem.
+  [[nodiscard]] Document take() && { return std::move(document_); }
+
+ private:
+  /// Arrays of a scan that do not go into the document's root.
+  enum class Aside { kNothing, kRanges, kIgnored };
+
+  bool leaf(nlohmann::json value);
+  bool open(nlohmann::json empty);
+  bool close();
+  bool add(nlohmann::json value);
+  bool wrong_range();
+  [[nodiscard]] bool in_scans() const;
+  [[nodiscard]] Aside aside_for_array() const;
+
+  RequestLimits limits_;
+  Document document_;
+  std::vector<nlohmann::json*> open_;  ///< From the root to the innermost open container.
+  std::vector<std::string> keys_;      ///< Of `open_`, the key read last; empty in arrays.
+  nlohmann::json* last_ = nullptr;     ///< The value added last.
+  std::size_t values_ = 0;
+  Aside aside_ = Aside::kNothing;
+  std::size_t aside_depth_ = 0;  ///< 1 in the array itself, more in containers within.
+  std::optional<Problem> problem_;
+};
+
+}  // namespace cornerfix::api

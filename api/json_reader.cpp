@@ -1,0 +1,101 @@
+#include "api/json_reader.hpp"
+
+#include <simdjson.h>
+#include <limits>
+#include <string>
+
+namespace cornerfix::api {
+namespace {
+
+namespace ondemand = simdjson::ondemand;
+
+/// Tells JSON that cannot be parsed (throws simdjson_error) from a builder that stopped (false).
+bool walk(ondemand::value value, DocumentBuilder& builder);
+
+/// simdjson refuses what does not fit its types, as 1e999; JSON has no such limit.
+bool walk_unusual_number(std::string_view token, DocumentBuilder& builder) {
+  try {
+    return builder.number_float(nlohmann::json::parse(token).get<double>(), {});
+  } catch (const nlohmann::json::out_of_range&) {
+    return builder.number_float(std::numeric_limits<double>::infinity(), {});
+  } catch (const nlohmann::json::exception&) {
+    throw simdjson::simdjson_error(simdjson::NUMBER_ERROR);
+  }
+}
+
+bool walk_number(ondemand::value value, DocumentBuilder& builder) {
+  ondemand::number number;
+  if (value.get_number().get(number) != simdjson::SUCCESS) {
+    return walk_unusual_number(value.raw_json_token(), builder);
+  }
+  if (number.is_int64()) return builder.number_integer(number.get_int64());
+  if (number.is_uint64()) return builder.number_unsigned(number.get_uint64());
+  return builder.number_float(number.get_double(), {});
+}
+
+bool walk_object(ondemand::object object, DocumentBuilder& builder) {
+  if (!builder.start_object(0)) return false;
+  for (auto field : object) {
+    std::string name(std::string_view(field.unescaped_key()));
+    if (!builder.key(name) || !walk(field.value(), builder)) return false;
+  }
+  return builder.end_object();
+}
+
+bool walk_array(ondemand::array array, DocumentBuilder& builder) {
+  if (!builder.start_array(0)) return false;
+  for (auto element : array) {
+    ondemand::value value = element.value();
+    double range_m = 0.0;
+    const bool is_range =
+        builder.in_ranges() && value.get_double().get(range_m) == simdjson::SUCCESS;
+    if (!(is_range ? builder.range(range_m) : walk(value, builder))) return false;
+  }
+  return builder.end_array();
+}
+
+bool walk(ondemand::value value, DocumentBuilder& builder) {
+  switch (value.type()) {
+    case ondemand::json_type::object:
+      return walk_object(value.get_object(), builder);
+    case ondemand::json_type::array:
+      return walk_array(value.get_array(), builder);
+    case ondemand::json_type::number:
+      return walk_number(value, builder);
+    case ondemand::json_type::string: {
+      std::string text(std::string_view(value.get_string()));
+      return builder.string(text);
+    }
+    case ondemand::json_type::boolean:
+      return builder.boolean(value.get_bool());
+    case ondemand::json_type::null:
+      break;
+  }
+  if (!value.is_null()) throw simdjson::simdjson_error(simdjson::N_ATOM_ERROR);
+  return builder.null();
+}
+
+bool malformed(const std::string& why, DocumentBuilder& builder) {
+  return builder.fail(make_problem(ErrorCode::kMalformed, "The body is not JSON: " + why));
+}
+
+}  // namespace
+
+bool read_json(std::string_view text, DocumentBuilder& builder) {
+  try {
+    const simdjson::padded_string padded(text);
+    ondemand::parser parser;
+    ondemand::document document = parser.iterate(padded);
+    // A lone number or string is no request; simdjson has no generic value for it.
+    if (document.is_scalar()) return malformed("it must be an object", builder);
+    if (!walk(document.get_value(), builder)) return false;
+    if (document.current_location().error() != simdjson::OUT_OF_BOUNDS) {
+      return malformed("there is more after its end", builder);
+    }
+    return true;
+  } catch (const simdjson::simdjson_error& error) {
+    return malformed(error.what(), builder);
+  }
+}
+
+}  // namespace cornerfix::api

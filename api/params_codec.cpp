@@ -1,0 +1,165 @@
+#include "api/params_codec.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cornerfix::api {
+namespace {
+
+// The tables: a line a setting, by the name it has in its struct.
+
+template <typename Visitor>
+void visit_members(LocalizerParams& params, Visitor&& visit) {
+  visit("method", params.method);
+  visit("seed", params.seed);
+}
+
+template <typename Visitor>
+void visit_members(OccupancyMappingParams& params, Visitor&& visit) {
+  visit("resolution_m", params.resolution_m);
+  visit("max_range_m", params.max_range_m);
+  visit("min_peak_share", params.min_peak_share);
+  visit("min_hit_share", params.min_hit_share);
+}
+
+template <typename Visitor>
+void visit_members(FeatureMapParams& params, Visitor&& visit) {
+  visit("suppression_radius_m", params.suppression_radius_m);
+}
+
+template <typename Visitor>
+void visit_members(DescriptorParams& params, Visitor&& visit) {
+  visit("distance_resolution_m", params.distance_resolution_m);
+  visit("angle_resolution_rad", params.angle_resolution_rad);
+  visit("max_distance_m", params.max_distance_m);
+}
+
+template <typename Visitor>
+void visit_members(MapperParams& params, Visitor&& visit) {
+  visit("key_frame_distance_m", params.key_frame_distance_m);
+  visit("key_frame_angle_rad", params.key_frame_angle_rad);
+  visit("min_feature_count", params.min_feature_count);
+  visit("grid", params.grid);
+  visit("features", params.features);
+  visit("descriptors", params.descriptors);
+}
+
+class Reader {
+ public:
+  explicit Reader(const JsonField& object) : object_(object) {}
+
+  template <typename T>
+  void operator()(const char* name, T& member) {
+    known_.emplace_back(name);
+    if (const auto field = object_.find(name)) read(*field, member);
+  }
+
+  void tell_unknown() const {
+    for (const auto& [name, value] : object_.json().items()) {
+      if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
+        object_.fail_member(name, "is not known here; known are " + known_names());
+      }
+    }
+  }
+
+ private:
+  static void read(const JsonField& field, double& member) {
+    if (const auto number = field.as_number()) member = *number;
+  }
+  static void read(const JsonField& field, int& member) {
+    constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+    if (const auto count = field.as_count(0, kMost)) member = static_cast<int>(*count);
+  }
+  static void read(const JsonField& field, std::uint64_t& member) {
+    constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
+    if (const auto count = field.as_count(0, kMost)) member = *count;
+  }
+  static void read(const JsonField& field, Method& member) {
+    const auto* name = field.json().get_ptr<const std::string*>();
+    if (const auto method = name != nullptr ? method_from_string(*name) : std::nullopt) {
+      member = *method;
+    } else {
+      field.fail("must be one of \"rma\", \"nma\"");
+    }
+  }
+  template <typename Nested>
+  static void read(const JsonField& field, Nested& member) {
+    if (!field.expect_object()) return;
+    Reader reader(field);
+    visit_members(member, reader);
+    reader.tell_unknown();
+  }
+
+  [[nodiscard]] std::string known_names() const {
+    std::string names;
+    for (const std::string_view name : known_) {
+      if (!names.empty()) names += ", ";
+      names += name;
+    }
+    return names;
+  }
+
+  const JsonField& object_;
+  std::vector<std::string_view> known_;
+};
+
+class Writer {
+ public:
+  template <typename T>
+  void operator()(const char* name, T& member) {
+    object_[name] = write(member);
+  }
+  [[nodiscard]] const nlohmann::ordered_json& object() const { return object_; }
+
+ private:
+  static nlohmann::ordered_json write(double member) { return member; }
+  static nlohmann::ordered_json write(int member) { return member; }
+  static nlohmann::ordered_json write(std::uint64_t member) { return member; }
+  static nlohmann::ordered_json write(Method member) { return to_string(member); }
+  template <typename Nested>
+  static nlohmann::ordered_json write(Nested& member) {
+    Writer writer;
+    visit_members(member, writer);
+    return writer.object();
+  }
+
+  nlohmann::ordered_json object_ = nlohmann::ordered_json::object();
+};
+
+template <typename Params>
+void read_and_validate(const JsonField& object, Params& params) {
+  if (!object.expect_object()) return;
+  Reader reader(object);
+  visit_members(params, reader);
+  reader.tell_unknown();
+  if (const auto error = validate(params)) {
+    std::string path = error->field;
+    std::replace(path.begin(), path.end(), '.', '/');
+    object.fail_path(path, error->message);
+  }
+}
+
+template <typename Params>
+nlohmann::ordered_json write_all(Params params) {
+  Writer writer;
+  visit_members(params, writer);
+  return writer.object();
+}
+
+}  // namespace
+
+void read_params(const JsonField& object, LocalizerParams& params) {
+  read_and_validate(object, params);
+}
+void read_params(const JsonField& object, MapperParams& params) {
+  read_and_validate(object, params);
+}
+
+nlohmann::ordered_json params_to_json(const LocalizerParams& params) { return write_all(params); }
+nlohmann::ordered_json params_to_json(const MapperParams& params) { return write_all(params); }
+
+}  // namespace cornerfix::api

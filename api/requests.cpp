@@ -1,0 +1,280 @@
+#include "api/requests.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "api/body_reader.hpp"
+#include "api/json_field.hpp"
+#include "api/params_codec.hpp"
+#include "api/scan_batch.hpp"
+
+namespace cornerfix::api {
+namespace {
+
+constexpr std::size_t kMaxDescriptionBytes = 4096;
+constexpr std::size_t kMaxNamedMaps = 1000;
+constexpr std::size_t kMaxPageLimit = 1000;
+
+/// Reads a body and hands its document to `read`, which fills the request.
+template <typename Request, typename Read>
+Parsed<Request> parse(std::string_view body, BodyFormat format, const RequestLimits& limits,
+                      Read read) {
+  auto body_or_problem = read_body(body, format, limits);
+  if (auto* problem = std::get_if<Problem>(&body_or_problem)) return std::move(*problem);
+  auto& document = std::get<Document>(body_or_problem);
+  Request request;
+  read(JsonField(document.root, "", document.errors), document, request);
+  if (!document.errors.empty()) return std::move(document.errors).to_problem();
+  return request;
+}
+
+RobotScan to_robot_scan(BatchScan&& scan, const Pose2& T_base_link_laser) {
+  return {.scan = std::move(scan.scan),
+          .T_base_link_laser = T_base_link_laser,
+          .T_odom_base_link = scan.T_odom_base_link};
+}
+
+PosedScan to_posed_scan(BatchScan&& scan, const Pose2& T_base_link_laser) {
+  return {.scan = std::move(scan.scan),
+          .T_base_link_laser = T_base_link_laser,
+          .T_map_base_link = scan.T_map_base_link.value_or(Pose2{})};
+}
+
+std::vector<RobotScan> to_robot_scans(ScanBatch&& batch) {
+  std::vector<RobotScan> scans;
+  scans.reserve(batch.scans.size());
+  for (BatchScan& scan : batch.scans) {
+    scans.push_back(to_robot_scan(std::move(scan), batch.T_base_link_laser()));
+  }
+  return scans;
+}
+
+void read_options(const JsonField& body, LocalizerParams& params, std::string* text) {
+  const auto options = body.find("options");
+  if (!options) return;
+  read_params(*options, params);
+  if (text != nullptr) *text = options->json().dump();
+}
+
+void read_name_list(const JsonField& field, std::vector<std::string>& names) {
+  const std::size_t count = field.json().size();
+  if (!field.json().is_array() || count == 0 || count > kMaxNamedMaps) {
+    field.fail("must be an array of 1 to " + std::to_string(kMaxNamedMaps) + " names");
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto name = field.item(i).as_name();
+    if (name && std::find(names.begin(), names.end(), *name) == names.end()) {
+      names.push_back(*name);
+    }
+  }
+}
+
+/// `map` names one, `maps` some, neither: every map.
+void read_maps(const JsonField& body, std::vector<std::string>& names) {
+  const auto map = body.find("map");
+  const auto maps = body.find("maps");
+  if (map && maps) {
+    maps->fail("must not be there beside map");
+  } else if (maps) {
+    read_name_list(*maps, names);
+  } else if (map) {
+    if (const auto name = map->as_name()) names.push_back(*name);
+  }
+}
+
+void read_stamped_pose(const JsonField& field, std::vector<StampedPose>& poses) {
+  if (!field.expect_object()) return;
+  const auto stamp_field = field.require("stamp", "seconds");
+  const auto stamp = stamp_field ? stamp_field->as_number() : std::nullopt;
+  const auto pose = field.as_pose();
+  if (stamp && pose) poses.push_back({*stamp, *pose});
+}
+
+/// A text of the store, as a field whose errors nobody needs to see.
+struct StoredText {
+  explicit StoredText(std::string_view text)
+      : root(nlohmann::json::parse(text, nullptr, false)), field(root, "", errors) {}
+  nlohmann::json root;
+  FieldErrors errors;
+  JsonField field;
+};
+
+template <typename Params>
+Params stored_params(std::string_view text) {
+  Params params;
+  const StoredText stored(text);
+  if (stored.root.is_object()) read_params(stored.field, params);
+  return params;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  return whole && std::isfinite(number) ? std::optional(number) : std::nullopt;
+}
+
+Problem wrong_query(const std::string& name, const std::string& expected) {
+  Problem problem = make_problem(ErrorCode::kInvalidArgument, name + ": " + expected);
+  problem.errors.push_back({"/" + name, expected});
+  return problem;
+}
+
+}  // namespace
+
+Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format) {
+  return parse<PutMapRequest>(
+      body, format, {}, [](const JsonField& root, Document& /*document*/, PutMapRequest& request) {
+        if (const auto description = root.find("description")) {
+          request.description = description->as_text(kMaxDescriptionBytes);
+        }
+        if (const auto field = root.find("lidar")) {
+          if (const auto lidar = read_lidar(*field)) request.lidar_json = lidar_to_json(*lidar);
+        }
+        if (const auto parameters = root.find("parameters")) {
+          MapperParams params;
+          read_params(*parameters, params);
+          request.parameters_json = parameters->json().dump();
+        }
+      });
+}
+
+Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format,
+                                        const std::optional<Lidar>& lidar,
+                                        const RequestLimits& limits) {
+  return parse<MapScansRequest>(
+      body, format, limits,
+      [&](const JsonField& /*root*/, Document& document, MapScansRequest& request) {
+        ScanBatch batch = read_scan_batch(document, lidar, StampOrder::kAny, MapPose::kNeeded);
+        request.lidar = batch.lidar;
+        for (BatchScan& scan : batch.scans) {
+          request.scans.push_back(to_posed_scan(std::move(scan), batch.T_base_link_laser()));
+        }
+      });
+}
+
+Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat format) {
+  return parse<TrajectoryRequest>(
+      body, format, {},
+      [](const JsonField& root, Document& /*document*/, TrajectoryRequest& request) {
+        const auto poses = root.require("poses", "stamped poses of base_link in map");
+        if (!poses) return;
+        if (!poses->json().is_array() || poses->json().empty()) {
+          poses->fail("must be an array of 1 or more poses");
+          return;
+        }
+        for (std::size_t i = 0; i < poses->json().size(); ++i) {
+          read_stamped_pose(poses->item(i), request.poses);
+        }
+      });
+}
+
+Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFormat format) {
+  return parse<CreateSessionRequest>(
+      body, format, {},
+      [](const JsonField& root, Document& /*document*/, CreateSessionRequest& request) {
+        if (const auto robot = root.require("robot", "the robot's name")) {
+          request.robot = robot->as_name().value_or("");
+        }
+        read_maps(root, request.maps);
+        if (const auto field = root.require("lidar", "the geometry of the scans")) {
+          request.lidar = read_lidar(*field).value_or(Lidar{});
+          request.lidar_json = lidar_to_json(request.lidar);
+        }
+        read_options(root, request.params, &request.options_json);
+      });
+}
+
+Parsed<SessionScansRequest> parse_session_scans(std::string_view body, BodyFormat format,
+                                                const Lidar& lidar, const RequestLimits& limits) {
+  return parse<SessionScansRequest>(
+      body, format, limits,
+      [&](const JsonField& root, Document& document, SessionScansRequest& request) {
+        constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+        if (const auto sequence = root.require("sequence", "the batch's number, from 0")) {
+          request.sequence = sequence->as_count(0, kMost).value_or(0);
+        }
+        request.scans = to_robot_scans(
+            read_scan_batch(document, lidar, StampOrder::kIncreasing, MapPose::kIgnored));
+      });
+}
+
+Parsed<LocalizeRequest> parse_localize(std::string_view body, BodyFormat format,
+                                       const RequestLimits& limits) {
+  return parse<LocalizeRequest>(
+      body, format, limits,
+      [](const JsonField& root, Document& document, LocalizeRequest& request) {
+        request.scans = to_robot_scans(
+            read_scan_batch(document, std::nullopt, StampOrder::kIncreasing, MapPose::kIgnored));
+        read_options(root, request.params, nullptr);
+      });
+}
+
+std::string lidar_to_json(const Lidar& lidar) {
+  nlohmann::ordered_json json = {{"angle_min", lidar.angle_min},
+                                 {"angle_increment", lidar.angle_increment},
+                                 {"range_min", lidar.range_min},
+                                 {"range_max", lidar.range_max}};
+  if (lidar.beams) json["beams"] = *lidar.beams;
+  const Pose2& mount = lidar.T_base_link_laser;
+  json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
+  return json.dump();
+}
+
+std::optional<Lidar> lidar_from_json(std::string_view lidar_json) {
+  const StoredText stored(lidar_json);
+  return stored.root.is_object() ? read_lidar(stored.field) : std::nullopt;
+}
+
+LocalizerParams params_from_json(std::string_view options_json) {
+  return stored_params<LocalizerParams>(options_json);
+}
+
+MapperParams mapper_params_from_json(std::string_view parameters_json) {
+  return stored_params<MapperParams>(parameters_json);
+}
+
+Parsed<Bounds> parse_bbox(std::string_view text) {
+  std::vector<double> numbers;
+  while (numbers.size() < 5) {
+    const std::size_t comma = std::min(text.find(','), text.size());
+    const auto number = parse_number(text.substr(0, comma));
+    if (!number) break;
+    numbers.push_back(*number);
+    if (comma == text.size()) {
+      text = {};
+      break;
+    }
+    text.remove_prefix(comma + 1);
+  }
+  if (numbers.size() != 4 || !text.empty()) {
+    return wrong_query("bbox", "must be x0,y0,x1,y1 in metres");
+  }
+  const Point2 a(numbers[0], numbers[1]);
+  const Point2 b(numbers[2], numbers[3]);
+  return Bounds{.min = a.cwiseMin(b), .max = a.cwiseMax(b)};
+}
+
+Parsed<std::size_t> parse_page_limit(std::string_view text) {
+  std::size_t limit = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  if (whole && limit >= 1 && limit <= kMaxPageLimit) return limit;
+  return wrong_query("limit", "must be a whole number from 1 to " + std::to_string(kMaxPageLimit));
+}
+
+bool is_valid_name(std::string_view name) {
+  const auto is_alphanumeric = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+  };
+  return !name.empty() && name.size() <= 128 && is_alphanumeric(name.front()) &&
+         std::all_of(name.begin(), name.end(), [&](char c) {
+           return is_alphanumeric(c) || c == '.' || c == '_' || c == '-';
+         });
+}
+
+}  // namespace cornerfix::api

@@ -1,0 +1,217 @@
+#include "api/scan_batch.hpp"
+
+#include <array>
+#include <string>
+#include <utility>
+
+namespace cornerfix::api {
+namespace {
+
+constexpr std::uint64_t kMaxLidarBeams = 1'000'000;
+constexpr double kNanosecond = 1e-9;
+
+struct GeometryMember {
+  const char* name;
+  const char* meaning;
+  double LaserScan::*member;
+};
+constexpr std::array<GeometryMember, 4> kGeometry{{
+    {"angle_min", "the first beam's angle in radians", &LaserScan::angle_min},
+    {"angle_increment", "radians from beam to beam", &LaserScan::angle_increment},
+    {"range_min", "the shortest range in metres", &LaserScan::range_min},
+    {"range_max", "the longest range in metres", &LaserScan::range_max},
+}};
+
+LaserScan geometry_of(const Lidar& lidar) {
+  return {.stamp = 0.0,
+          .angle_min = lidar.angle_min,
+          .angle_increment = lidar.angle_increment,
+          .range_min = lidar.range_min,
+          .range_max = lidar.range_max,
+          .ranges = {}};
+}
+
+/// {secs, nsecs} of ROS 1 or {sec, nanosec} of ROS 2.
+std::optional<double> read_ros_stamp(const JsonField& stamp) {
+  if (!stamp.expect_object()) return std::nullopt;
+  const auto ros1 = stamp.find("secs");
+  const auto seconds_field = ros1 ? ros1 : stamp.require("sec", "seconds, with nanosec");
+  if (!seconds_field) return std::nullopt;
+  const auto nanoseconds_field = stamp.find(ros1 ? "nsecs" : "nanosec");
+  const auto seconds = seconds_field->as_number();
+  const auto nanoseconds =
+      nanoseconds_field ? nanoseconds_field->as_count(0, 999'999'999) : std::uint64_t{0};
+  if (!seconds || !nanoseconds) return std::nullopt;
+  return *seconds + kNanosecond * static_cast<double>(*nanoseconds);
+}
+
+std::optional<double> read_stamp(const JsonField& scan) {
+  if (const auto stamp = scan.find("stamp")) return stamp->as_number();
+  const auto header = scan.find("header");
+  if (!header) {
+    scan.fail_member("stamp", "is needed: seconds");
+    return std::nullopt;
+  }
+  if (!header->expect_object()) return std::nullopt;
+  const auto stamp = header->require("stamp", "{secs, nsecs} or {sec, nanosec}");
+  return stamp ? read_ros_stamp(*stamp) : std::nullopt;
+}
+
+/// The scan's own angles and ranges override the lidar's; without a lidar it must have them.
+bool read_geometry(const JsonField& scan, bool has_lidar, LaserScan& geometry) {
+  bool good = true;
+  for (const auto& [name, meaning, member] : kGeometry) {
+    const auto field = has_lidar ? scan.find(name) : scan.require(name, meaning);
+    const auto number = field ? field->as_number() : std::nullopt;
+    if (number) geometry.*member = *number;
+    good = good && (number || (has_lidar && !field));
+  }
+  return good;
+}
+
+/// Whether there is a pose or need not be one.
+bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& pose) {
+  const auto field = scan.find(name);
+  if (field) pose = field->as_pose();
+  return !field || pose;
+}
+
+class BatchReader {
+ public:
+  BatchReader(Document& document, ScanBatch& batch, StampOrder order, MapPose map_pose)
+      : document_(document), batch_(batch), order_(order), map_pose_(map_pose) {
+    if (batch.lidar) beams_ = batch.lidar->beams;
+  }
+
+  void read(const JsonField& scans) {
+    const std::size_t count = scans.json().size();
+    batch_.scans.resize(count);
+    document_.ranges.resize(count);
+    for (std::size_t i = 0; i < count; ++i) read_scan(scans.item(i), i);
+    if (batch_.lidar) batch_.lidar->beams = beams_;
+  }
+
+ private:
+  void read_scan(const JsonField& field, std::size_t index) {
+    if (!field.expect_object()) return;
+    BatchScan& out = batch_.scans[index];
+    if (batch_.lidar) out.scan = geometry_of(*batch_.lidar);
+    const auto stamp = read_stamp(field);
+    if (stamp) check_order(field, *stamp);
+    bool good = stamp.has_value();
+    out.scan.stamp = stamp.value_or(0.0);
+    good &= read_geometry(field, batch_.lidar.has_value(), out.scan);
+    good &= read_ranges(field, index, out.scan);
+    good &= read_pose(field, "odom", out.T_odom_base_link);
+    if (map_pose_ == MapPose::kNeeded) read_map_pose(field, out);
+    if (const auto error = good ? validate(out.scan) : std::nullopt) {
+      field.fail_member(error->field, error->message);
+    }
+  }
+
+  void check_order(const JsonField& field, double stamp) {
+    if (order_ == StampOrder::kIncreasing && last_stamp_ && stamp <= *last_stamp_) {
+      field.fail_member("stamp", "must be later than the scan's before it");
+    }
+    last_stamp_ = stamp;
+  }
+
+  bool read_ranges(const JsonField& field, std::size_t index, LaserScan& scan) {
+    const auto ranges = field.require("ranges", "metres, or null for no return");
+    if (!ranges) return false;
+    if (!ranges->json().is_array()) {
+      ranges->fail("must be an array of metres, null for no return");
+      return false;
+    }
+    scan.ranges = std::move(document_.ranges[index]);
+    if (scan.ranges.empty()) {
+      ranges->fail("must have at least one value");
+      return false;
+    }
+    if (!beams_) beams_ = scan.ranges.size();
+    if (scan.ranges.size() == *beams_) return true;
+    ranges->fail(std::to_string(scan.ranges.size()) + " values, expected " +
+                 std::to_string(*beams_) + " as the lidar has beams");
+    return false;
+  }
+
+  static void read_map_pose(const JsonField& field, BatchScan& out) {
+    const auto pose = field.require("pose", "base_link in map");
+    if (pose) out.T_map_base_link = pose->as_pose();
+  }
+
+  Document& document_;
+  ScanBatch& batch_;
+  StampOrder order_;
+  MapPose map_pose_;
+  std::optional<std::size_t> beams_;
+  std::optional<double> last_stamp_;
+};
+
+/// Whether `lidar` is `known`, which may tell the number of beams beside.
+bool same_but_beams(Lidar lidar, const Lidar& known) {
+  lidar.beams = known.beams;
+  return lidar == known;
+}
+
+/// The body's lidar or else `known`; false when the body's is wrong.
+bool choose_lidar(const JsonField& body, const std::optional<Lidar>& known,
+                  std::optional<Lidar>& chosen) {
+  chosen = known;
+  const auto field = body.find("lidar");
+  if (!field) return true;
+  chosen = read_lidar(*field);
+  if (chosen && !chosen->beams && known && same_but_beams(*chosen, *known)) chosen = known;
+  return chosen.has_value();
+}
+
+bool has_geometry(const nlohmann::json& scan) {
+  return scan.is_object() && scan.contains("angle_min");
+}
+
+}  // namespace
+
+std::optional<Lidar> read_lidar(const JsonField& field) {
+  if (!field.expect_object()) return std::nullopt;
+  Lidar lidar;
+  LaserScan geometry;
+  bool good = read_geometry(field, false, geometry);
+  if (const auto beams = field.find("beams")) {
+    const auto count = beams->as_count(1, kMaxLidarBeams);
+    good &= count.has_value();
+    if (count) lidar.beams = static_cast<std::size_t>(*count);
+  }
+  std::optional<Pose2> mount;
+  good &= read_pose(field, "mount", mount);
+  if (!good) return std::nullopt;
+  geometry.ranges.resize(lidar.beams.value_or(0));
+  if (const auto error = validate(geometry)) {
+    field.fail_member(error->field == "ranges" ? "beams" : error->field, error->message);
+    return std::nullopt;
+  }
+  lidar.angle_min = geometry.angle_min;
+  lidar.angle_increment = geometry.angle_increment;
+  lidar.range_min = geometry.range_min;
+  lidar.range_max = geometry.range_max;
+  lidar.T_base_link_laser = mount.value_or(Pose2{});
+  return lidar;
+}
+
+ScanBatch read_scan_batch(Document& document, const std::optional<Lidar>& lidar, StampOrder order,
+                          MapPose map_pose) {
+  const JsonField body(document.root, "", document.errors);
+  ScanBatch batch;
+  if (!choose_lidar(body, lidar, batch.lidar)) return batch;
+  const auto scans = body.require("scans", "1 or more scans");
+  if (!scans) return batch;
+  if (!scans->json().is_array() || scans->json().empty()) {
+    scans->fail("must be an array of 1 or more scans");
+  } else if (!batch.lidar && !has_geometry(scans->json().front())) {
+    body.fail_member("lidar", "is needed: angle_min, angle_increment, range_min, range_max");
+  } else {
+    BatchReader(document, batch, order, map_pose).read(*scans);
+  }
+  return batch;
+}
+
+}  // namespace cornerfix::api
