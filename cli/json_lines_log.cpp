@@ -1,0 +1,133 @@
+#include <simdjson.h>
+
+#include <array>
+#include <limits>
+
+#include "cli/scan_parser.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+using simdjson::ondemand::object;
+using simdjson::ondemand::value;
+
+Error malformed(std::string message) { return {ErrorCode::kMalformed, std::move(message), ""}; }
+
+bool is_blank(const std::string& line) {
+  return line.find_first_not_of(" \t") == std::string::npos;
+}
+
+float range_or_nan(value range) {
+  if (range.is_null()) return std::numeric_limits<float>::quiet_NaN();
+  return static_cast<float>(range.get_double().value());
+}
+
+/// [x, y, yaw] or null.
+std::optional<Pose2> pose_or_null(value pose) {
+  if (pose.is_null()) return std::nullopt;
+  std::array<double, 3> numbers{};
+  std::size_t count = 0;
+  for (auto number : pose.get_array()) {
+    if (count == numbers.size()) throw simdjson::simdjson_error(simdjson::INDEX_OUT_OF_BOUNDS);
+    numbers[count++] = number.get_double();
+  }
+  if (count != numbers.size()) throw simdjson::simdjson_error(simdjson::INDEX_OUT_OF_BOUNDS);
+  return Pose2{numbers[0], numbers[1], wrap_angle(numbers[2])};
+}
+
+class JsonLinesParser final : public ScanParser {
+ public:
+  Result<std::optional<LogScan>> parse(const std::string& line) override {
+    if (is_blank(line)) return std::optional<LogScan>();
+    field_.clear();
+    try {
+      auto document =
+          json_.iterate(simdjson::padded_string_view(line.data(), line.size(), line.capacity()));
+      if (!has_header_) {
+        read_header(document.get_object());
+      } else {
+        LogScan scan = read_scan(document.get_object());
+        // Only at the end there is no location.
+        if (!document.current_location().error()) return malformed("more text behind the object");
+        return check(std::move(scan));
+      }
+    } catch (const simdjson::simdjson_error& error) {
+      return malformed((field_.empty() ? "" : field_ + ": ") + error.what());
+    }
+    if (auto error = validate(header_.lidar)) {
+      return malformed("header: " + error->field + " " + error->message);
+    }
+    has_header_ = true;
+    return std::optional<LogScan>();
+  }
+
+ private:
+  void read_header(object fields) {
+    for (auto field : fields) {
+      field_ = std::string_view(field.unescaped_key());
+      if (field_ == "name") {
+        header_.name = std::string_view(field.value().get_string());
+      } else if (field_ == "source") {
+        header_.source = std::string_view(field.value().get_string());
+      } else if (field_ == "beams") {
+        header_.beams = field.value().get_uint64();
+      } else if (field_ == "angle_min") {
+        header_.lidar.angle_min = field.value().get_double();
+      } else if (field_ == "angle_increment") {
+        header_.lidar.angle_increment = field.value().get_double();
+      } else if (field_ == "range_min") {
+        header_.lidar.range_min = field.value().get_double();
+      } else if (field_ == "range_max") {
+        header_.lidar.range_max = field.value().get_double();
+      }
+    }
+    field_.clear();
+  }
+
+  LogScan read_scan(object fields) {
+    LogScan out;
+    out.scan = header_.lidar;
+    out.scan.ranges.reserve(header_.beams);
+    has_stamp_ = false;
+    for (auto field : fields) {
+      field_ = std::string_view(field.unescaped_key());
+      if (field_ == "t") {
+        out.scan.stamp = field.value().get_double();
+        has_stamp_ = true;
+      } else if (field_ == "ranges") {
+        for (value range : field.value().get_array())
+          out.scan.ranges.push_back(range_or_nan(range));
+      } else if (field_ == "odom") {
+        out.T_odom_laser = pose_or_null(field.value());
+      } else if (field_ == "pose") {
+        out.T_map_laser = pose_or_null(field.value());
+      } else if (field_ == "kf") {
+        out.is_key_scan = field.value().get_int64() != 0;
+      }
+    }
+    field_.clear();
+    return out;
+  }
+
+  Result<std::optional<LogScan>> check(LogScan scan) {
+    if (!has_stamp_) return malformed("t: missing, expected seconds");
+    if (header_.beams == 0) header_.beams = scan.scan.ranges.size();
+    if (scan.scan.ranges.size() != header_.beams) {
+      return malformed("ranges: " + std::to_string(scan.scan.ranges.size()) + " values, expected " +
+                       std::to_string(header_.beams));
+    }
+    return std::optional<LogScan>(std::move(scan));
+  }
+
+  simdjson::ondemand::parser json_;
+  bool has_header_ = false;
+  bool has_stamp_ = false;
+  std::string field_;  ///< Being read, for the message of an error.
+};
+
+}  // namespace
+
+std::unique_ptr<ScanParser> make_json_lines_parser() { return std::make_unique<JsonLinesParser>(); }
+
+}  // namespace cornerfix::cli

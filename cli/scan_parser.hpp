@@ -1,0 +1,30 @@
+/// \file  What a log's file format must be able to do: turn its lines into scans.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cli/log_reader.hpp"
+
+namespace cornerfix::cli {
+
+class ScanParser {
+ public:
+  virtual ~ScanParser() = default;
+
+  /// The scan in a line, or nothing when the line holds none. `line` has room for simdjson's
+  /// padding behind it. An error's message does not name the line, the caller knows it.
+  [[nodiscard]] virtual Result<std::optional<LogScan>> parse(const std::string& line) = 0;
+
+  /// Complete once the first scan was parsed.
+  [[nodiscard]] const LogHeader& header() const { return header_; }
+
+ protected:
+  LogHeader header_;
+};
+
+[[nodiscard]] std::unique_ptr<ScanParser> make_json_lines_parser();
+[[nodiscard]] std::unique_ptr<ScanParser> make_carmen_parser();
+
+}  // namespace cornerfix::cli

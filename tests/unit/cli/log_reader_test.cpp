@@ -1,0 +1,175 @@
+#include "cli/log_reader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "unit/cli/temporary_directory.hpp"
+
+namespace cornerfix::cli {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kHeader =
+    R"({"name": "office", "beams": 3, "angle_min": -1.5, "angle_increment": 1.5, )"
+    R"("range_min": 0.1, "range_max": 20.0, "license": ["any", {"kind": 1}]})"
+    "\n";
+
+class LogReading : public testing::Test {
+ protected:
+  TemporaryDirectory directory_;
+};
+
+TEST_F(LogReading, TakesGeometryFromTheHeader) {
+  const auto path = directory_.write(
+      "a.jsonl", std::string(kHeader) + R"({"t": 1.5, "ranges": [1, 2.5, null]})" + "\n");
+  const auto log = read_log(path);
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_EQ(log->header.name, "office");
+  EXPECT_EQ(log->header.beams, 3U);
+  ASSERT_EQ(log->scans.size(), 1U);
+  const LaserScan& scan = log->scans[0].scan;
+  EXPECT_EQ(scan.stamp, 1.5);
+  EXPECT_EQ(scan.angle_min, -1.5);
+  EXPECT_EQ(scan.angle_increment, 1.5);
+  EXPECT_EQ(scan.range_max, 20.0);
+  EXPECT_EQ(scan.ranges[1], 2.5F);
+  EXPECT_TRUE(std::isnan(scan.ranges[2]));
+}
+
+TEST_F(LogReading, TakesPosesWhereThereAreAny) {
+  const auto path = directory_.write(
+      "a.jsonl", std::string(kHeader) +
+                     R"({"t":0,"ranges":[1,1,1],"odom":[1,2,0.5],"pose":null})"
+                     "\n\n"
+                     R"({"t":1,"ranges":[1,1,1],"odom":null,"pose":[3,4,-0.5],"kf":1})");
+  const auto log = read_log(path);
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  ASSERT_EQ(log->scans.size(), 2U);
+  EXPECT_EQ(log->scans[0].T_odom_laser, (Pose2{1.0, 2.0, 0.5}));
+  EXPECT_FALSE(log->scans[0].T_map_laser);
+  EXPECT_FALSE(log->scans[0].is_key_scan);
+  EXPECT_FALSE(log->scans[1].T_odom_laser);
+  EXPECT_EQ(log->scans[1].T_map_laser, (Pose2{3.0, 4.0, -0.5}));
+  EXPECT_TRUE(log->scans[1].is_key_scan);
+}
+
+TEST_F(LogReading, KeepsEveryNthScanFromTheFirst) {
+  std::string text = kHeader;
+  for (int i = 0; i < 7; ++i)
+    text += R"({"t": )" + std::to_string(i) +
+            R"(, "ranges": [1,1,1]})"
+            "\n";
+  const auto log = read_log(directory_.write("a.jsonl", text), 3);
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->scans.size(), 3U);
+  EXPECT_EQ(log->scans[1].scan.stamp, 3.0);
+}
+
+std::string long_log() {
+  std::string text = kHeader;
+  for (int i = 0; i < 20000; ++i) {
+    text += R"({"t": )" + std::to_string(i) + R"(, "ranges": [1.)" + std::to_string(i * 7919) +
+            ",2,3]}\n";
+  }
+  return text;
+}
+
+TEST_F(LogReading, ReadsGzipAsItReadsText) {
+  const auto packed = read_log(directory_.write_gzip("b.jsonl.gz", long_log()));
+  const auto plain = read_log(directory_.write("a.jsonl", long_log()));
+  ASSERT_TRUE(packed.ok()) << packed.error().message;
+  ASSERT_EQ(packed->scans.size(), 20000U);
+  EXPECT_EQ(packed->scans[12345].scan.ranges, plain->scans[12345].scan.ranges);
+}
+
+TEST_F(LogReading, SaysWhereATruncatedGzipEnds) {
+  const auto path = directory_.write_gzip("cut.jsonl.gz", long_log());
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  auto reader = LogReader::open(path);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  std::size_t scans = 0;
+  Result<std::optional<LogScan>> scan = reader->next();
+  for (; scan.ok() && *scan; scan = reader->next()) ++scans;
+  ASSERT_FALSE(scan.ok());
+  EXPECT_GT(scans, 1000U);  // What came before the cut is given out.
+  EXPECT_EQ(scan.error().message,
+            "line " + std::to_string(scans + 2) + ": the compressed file ends too early");
+  EXPECT_EQ(scan.error().field, path.string());
+}
+
+TEST_F(LogReading, NamesTheLineOfWhatIsBroken) {
+  const std::string good = R"({"t": 0, "ranges": [1, 1, 1]})"
+                           "\n";
+  const std::vector<std::pair<std::string, std::string>> bad_line_and_message = {
+      {R"({"t": 1, "ranges": [1, 1]})", "ranges: 2 values, expected 3"},
+      {R"({"t": 1, "ranges": [1, 1, "far"]})", "ranges: "},
+      {R"({"t": 1, "ranges": [1, 1, 1)", ""},
+      {R"({"ranges": [1, 1, 1]})", "t: missing, expected seconds"},
+      {R"({"t": 1, "ranges": [1, 1, 1], "pose": [1, 2]})", "pose: "},
+      {R"({"t": 1, "ranges": [1, 1, 1], "pose": [1, 2, 3, 4]})", "pose: "},
+      {R"({"t": 1, "ranges": [1, 1, 1]} {})", "more text behind the object"},
+      {"scan", ""},
+  };
+  for (const auto& [line, message] : bad_line_and_message) {
+    const auto log = read_log(directory_.write("a.jsonl", kHeader + good + line + "\n" + good));
+    ASSERT_FALSE(log.ok()) << line;
+    EXPECT_THAT(log.error().message, HasSubstr("line 3: " + message)) << line;
+  }
+}
+
+TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
+  const auto log = read_log(directory_.write(
+      "a.jsonl", R"({"name": "x", "beams": 3, "angle_min": 0, "angle_increment": 0.1})"
+                 "\n"));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("line 1: header: range_max"));
+}
+
+TEST_F(LogReading, RefusesFilesThatHoldNoDrive) {
+  EXPECT_EQ(read_log(directory_.write("a.jsonl", kHeader)).error().message, "holds no scan");
+  EXPECT_EQ(read_log(directory_.write("a.jsonl", "")).error().message, "holds no scan");
+  EXPECT_EQ(read_log(directory_.write("a.bag", "")).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(read_log(directory_.path() / "gone.jsonl").error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(LogReading, ReadsCarmenLaserMessagesAndSkipsTheRest) {
+  const auto path =
+      directory_.write("drive.clf",
+                       "# comment\nPARAM robot_frontlaser_offset 0.0\n"
+                       "ODOM 0 0 0 0 0 0 1.0 host 1.0\n"
+                       "FLASER 4 1.0 2.0 3.0 81.9 0.5 0.6 0.7 0.1 0.2 0.3 976.25 host 0.9\n"
+                       "FLASER 4 1.5 2.5 3.5 81.9 1.5 0.6 0.7 1.1 0.2 0.3 977.25 host 1.9\n");
+  const auto log = read_log(path);
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_EQ(log->header.name, "drive");
+  EXPECT_NEAR(log->header.lidar.angle_min, -std::numbers::pi / 2.0, 1e-12);
+  EXPECT_NEAR(log->header.lidar.angle_increment, std::numbers::pi / 4.0, 1e-12);
+  ASSERT_EQ(log->scans.size(), 2U);
+  const LogScan& scan = log->scans[1];
+  EXPECT_EQ(scan.scan.stamp, 977.25);
+  EXPECT_EQ(scan.scan.ranges[2], 3.5F);
+  EXPECT_FALSE(scan.scan.has_return(3));
+  EXPECT_EQ(scan.T_map_laser, (Pose2{1.5, 0.6, 0.7}));
+  EXPECT_EQ(scan.T_odom_laser, (Pose2{1.1, 0.2, 0.3}));
+}
+
+TEST_F(LogReading, GivesAnOddNumberOfCarmenBeamsBothEndsOfTheHalfTurn) {
+  const auto log =
+      read_log(directory_.write("drive.log", "FLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_NEAR(log->scans[0].scan.bearing(2), std::numbers::pi / 2.0, 1e-12);
+}
+
+TEST_F(LogReading, NamesTheLineOfABrokenCarmenMessage) {
+  const auto log = read_log(directory_.write(
+      "drive.gfs", "# start\nFLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\nFLASER 3 1 2\n"));
+  ASSERT_FALSE(log.ok());
+  EXPECT_EQ(log.error().message, "line 3: FLASER: expected 3 ranges");
+}
+
+}  // namespace
+}  // namespace cornerfix::cli
