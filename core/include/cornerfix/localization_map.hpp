@@ -6,7 +6,9 @@
 #include <string>
 
 #include <cornerfix/distance_field.hpp>
+#include <cornerfix/evidence_model.hpp>
 #include <cornerfix/mapper.hpp>
+#include <cornerfix/place_search.hpp>
 
 namespace cornerfix {
 
@@ -22,12 +24,16 @@ class LocalizationMap {
   [[nodiscard]] const DescriptorSet& descriptors() const { return content_.descriptors; }
   [[nodiscard]] const OccupancyGrid& grid() const { return content_.grid; }
   [[nodiscard]] const DistanceField& field() const { return field_; }
+  [[nodiscard]] const ClassField& classes() const { return classes_; }
+  [[nodiscard]] const PlaceSearch& place_search() const { return place_search_; }
 
  private:
   std::string name_;
   std::uint64_t revision_;
   MapContent content_;
   DistanceField field_;
+  ClassField classes_;
+  PlaceSearch place_search_;
 };
 
 using LocalizationMapPtr = std::shared_ptr<const LocalizationMap>;

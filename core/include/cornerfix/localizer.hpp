@@ -12,6 +12,7 @@
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer_params.hpp>
+#include <cornerfix/submap.hpp>
 
 namespace cornerfix {
 
@@ -71,15 +72,6 @@ struct Answer {
   int local_features = 0;    ///< Features of the submap.
   Pose2 T_submap_base_link;  ///< Pose at the last scan in the submap.
   StepTimes times;
-};
-
-/// A scan kept in the submap.
-struct SubmapScan {
-  std::uint64_t index =
-      0;  ///< Counts the scans that joined the submap since the reset, so it is a stable key.
-  LaserScan scan;
-  Pose2 T_base_link_laser;
-  Pose2 T_submap_base_link;
 };
 
 /// All that a localizer remembers: enough to go on in another process.

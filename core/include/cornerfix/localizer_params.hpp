@@ -21,9 +21,22 @@ enum class Method {
 [[nodiscard]] std::string_view to_string(Method method);
 [[nodiscard]] std::optional<Method> method_from_string(std::string_view name);
 
+/// What makes a candidate a fix.
+struct AcceptanceParams {
+  double min_probability = 0.98;  ///< Of the calibrated model; in (0, 1).
+  double min_gap = 30.0;          ///< Log-likelihood less that of the best other place [nat]; >= 0.
+  double min_mean_gap = 0.15;     ///< The same a beam end: identical rooms stay below; >= 0.
+};
+
 struct LocalizerParams {
   Method method = Method::kRma;
-  std::uint64_t seed = 1;  ///< Of all random draws.
+  std::uint64_t seed = 1;       ///< Of all random draws.
+  int min_features = 4;         ///< Submap features before matching is tried; >= 3.
+  int min_votes = 4;            ///< S_t of algorithm 3; >= 1.
+  int max_matches = 8;          ///< Matches tried as hypotheses a scan; >= 1.
+  SampledMatchParams sampling;  ///< Of kRma; its seed is drawn from `seed`.
+  PoseEstimatorParams estimator;
+  AcceptanceParams acceptance;
 };
 
 [[nodiscard]] std::optional<Error> validate(const LocalizerParams& params);

@@ -1,0 +1,60 @@
+/// \file  What the scans of a submap say of the place: where beams ended and where they passed,
+/// thinned to cells.
+///
+/// A wall that was seen a hundred times is one piece of evidence, not a hundred. Cells that beams
+/// pass more often than they end there are people or doors and are left out (algorithm.md, section
+/// 10).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <cornerfix/laser_scan.hpp>
+
+namespace cornerfix {
+
+struct EvidenceGridParams {
+  double resolution_m = 0.2;  ///< One end point a cell; > 0.
+  double max_range_m = 15.0;  ///< Beams count up to here; a longer one passes up to here; > 0.
+  double min_beam_spacing_rad =
+      0.0122;              ///< Beams nearer than this to the last one are skipped; >= 0.
+  double extent_m = 60.0;  ///< Side of the square that is kept; > 0.
+};
+
+/// Points that stand for what was seen, in the frame of the grid's scans.
+struct Evidence {
+  std::vector<Point2> ends;  ///< Where walls are: the mean of the beam ends in a cell.
+  std::vector<Point2> free;  ///< Where beams passed and none ended.
+};
+
+/// Adds and removes whole scans; a removed scan leaves no trace. Value type; not synchronised.
+class EvidenceGrid {
+ public:
+  explicit EvidenceGrid(const Point2& center = Point2::Zero(), EvidenceGridParams params = {});
+
+  void add(const LaserScan& scan, const Pose2& T_submap_laser);
+  /// With the very arguments of an earlier add().
+  void remove(const LaserScan& scan, const Pose2& T_submap_laser);
+
+  [[nodiscard]] const Point2& center() const { return center_; }
+  /// O(cells touched).
+  [[nodiscard]] Evidence collect() const;
+
+ private:
+  struct CellCounts {
+    std::int16_t ends = 0;
+    std::int16_t passes = 0;
+    float sum_x = 0.0F;  ///< Of the ends, relative to the cell's corner [m].
+    float sum_y = 0.0F;
+  };
+  void count(const LaserScan& scan, const Pose2& T_submap_laser, int sign);
+
+  EvidenceGridParams params_;
+  Point2 center_;
+  Point2 corner_;
+  int size_;
+  std::vector<CellCounts> cells_;
+  std::vector<std::uint32_t> touched_;  ///< Cells that were ever counted in.
+};
+
+}  // namespace cornerfix

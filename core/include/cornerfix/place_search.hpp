@@ -1,0 +1,76 @@
+/// \file  All places of a map where a set of points fits, by branch and bound over the whole map
+/// and all headings.
+///
+/// After Hess et al. 2016 (real-time loop closure in 2D lidar SLAM, section V): a pyramid of maxima
+/// bounds the score of every pose in a block of cells, so that most of the map is never looked at.
+/// Unlike there, the result is the best few *distinct* places, since a fix is worth only as much as
+/// the gap to the second.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <cornerfix/evidence_model.hpp>
+#include <cornerfix/pose2.hpp>
+
+namespace cornerfix {
+
+struct PlaceSearchParams {
+  int max_points = 100;              ///< Of the ends, evenly thinned; >= 1.
+  double min_mean_weight = 0.0;      ///< Places with less a point are left out [nat].
+  std::size_t max_places = 12;       ///< >= 1
+  double distinct_distance_m = 1.0;  ///< Places nearer than this and
+  double distinct_angle_rad = 0.26;  ///< turned by less than this are one.
+  std::size_t max_expansions =
+      150'000;  ///< Bounds the work; the best places found by then are returned.
+};
+
+struct Place {
+  Pose2 T_map_base_link;   ///< To about a cell (0.2 m) and a step of heading (2 deg).
+  double mean_weight = 0;  ///< Optimistic mean weight of the points [nat].
+};
+
+/// The pyramid of one map. Immutable: any threads may share it. About 6 bytes a 0.2 m cell.
+class PlaceSearch {
+ public:
+  explicit PlaceSearch(const ClassField& classes);
+
+  /// \param ends_base_link  Where beams ended, in base_link at the pose asked for.
+  /// \param way_base_link   Where the robot has been, which must be free space; the last may be the
+  /// origin. \return Distinct places, best first.
+  [[nodiscard]] std::vector<Place> find(std::span<const Point2> ends_base_link,
+                                        std::span<const Point2> way_base_link,
+                                        const PlaceSearchParams& params) const;
+
+ private:
+  /// Maxima over blocks of 1, 2, 4 … cells, level by level; the top level again by phase, so that
+  /// the blocks of a row lie side by side in memory.
+  struct Pyramid {
+    std::vector<std::vector<std::uint8_t>> levels;
+    std::vector<std::uint8_t> top_by_phase;
+  };
+  struct Node;
+  struct Query;
+
+  [[nodiscard]] std::vector<std::uint8_t> pooled(
+      const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const;
+  [[nodiscard]] Pyramid make_pyramid(std::vector<std::uint8_t> finest, std::uint8_t outside) const;
+  void search_top(const Query& query, std::vector<Node>& open) const;
+  [[nodiscard]] int bound(const Query& query, const Node& node) const;
+
+  Pose2 T_map_grid_;
+  double cell_m_ = 0.2;
+  int top_level_ = 2;
+  int inner_width_ =
+      0;  ///< Cells of the map proper, which lies inside a border as wide as points may reach.
+  int inner_height_ = 0;
+  int width_ = 0;  ///< With the border; a multiple of a top block.
+  int height_ = 0;
+  Pyramid ends_;
+  Pyramid way_;
+};
+
+}  // namespace cornerfix

@@ -1,0 +1,85 @@
+/// \file  Scans gathered over a short drive: the paper's local map, which exists with and without
+/// odometry.
+///
+/// Frame `submap` is `base_link` at the first scan. Each scan is matched against those before it;
+/// every so often one is kept, and a sliding window forgets those that lie too far back on the way.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <cornerfix/distance_field.hpp>
+#include <cornerfix/evidence_grid.hpp>
+#include <cornerfix/feature_map.hpp>
+#include <cornerfix/laser_scan.hpp>
+#include <cornerfix/scan_refiner.hpp>
+
+namespace cornerfix {
+
+struct SubmapParams {
+  double window_m = 12.0;           ///< Way after which a kept scan is forgotten; > 0.
+  double keep_distance_m = 0.25;    ///< A scan this far from the last kept one is kept; > 0.
+  double keep_angle_rad = 0.2;      ///< Or turned by this much; > 0.
+  double field_resolution_m = 0.1;  ///< Of the field that scans are matched on; > 0.
+  double field_extent_m = 50.0;     ///< Its side; walls outside are not matched; > 0.
+  double stamp_radius_m =
+      0.5;  ///< How far from a wall the field reaches: the basin of the match; > 0.
+  EvidenceGridParams evidence;
+  FeatureMapParams features;
+};
+
+/// A scan kept in the submap.
+struct SubmapScan {
+  std::uint64_t index = 0;  ///< Counts the scans kept since the reset, so it is a stable key.
+  LaserScan scan;
+  Pose2 T_base_link_laser;
+  Pose2 T_submap_base_link;
+};
+
+/// Value type; not synchronised.
+class Submap {
+ public:
+  explicit Submap(SubmapParams params = {});
+
+  /// Whether a scan at this pose shows enough new to be kept.
+  [[nodiscard]] bool wants(const Pose2& T_submap_base_link) const;
+
+  /// Keeps a scan with the corners seen in it (in `laser`) and forgets what has left the window.
+  /// `scan.index` is given by the submap unless `restored`.
+  void keep(SubmapScan scan, std::vector<Feature> corners_laser, bool restored = false);
+
+  /// Lays `points_base_link` on the walls seen so far, starting at the prior. O(points).
+  [[nodiscard]] RefinedPose match(std::span<const Point2> points_base_link,
+                                  const PosePrior& prior) const;
+
+  [[nodiscard]] bool empty() const { return kept_.empty(); }
+  [[nodiscard]] std::size_t size() const { return kept_.size(); }
+  [[nodiscard]] std::vector<SubmapScan> scans() const;
+  [[nodiscard]] std::uint64_t next_index() const { return next_index_; }
+  void set_next_index(std::uint64_t next) { next_index_ = next; }
+  /// In `submap`.
+  [[nodiscard]] const std::vector<Feature>& features() const { return features_.features(); }
+  [[nodiscard]] const Evidence& evidence() const { return evidence_; }
+
+ private:
+  struct Kept {
+    SubmapScan scan;
+    std::vector<Feature> corners_submap;
+    double way_m = 0.0;  ///< Driven up to here.
+  };
+  void stamp(const SubmapScan& scan);
+  void rebuild_about(const Point2& center);
+
+  SubmapParams params_;
+  std::deque<Kept> kept_;
+  std::uint64_t next_index_ = 0;
+  DistanceField field_;
+  EvidenceGrid evidence_grid_;
+  FeatureMap features_;
+  Evidence evidence_;
+};
+
+}  // namespace cornerfix

@@ -1,0 +1,81 @@
+#include <cornerfix/evidence_grid.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cornerfix {
+
+EvidenceGrid::EvidenceGrid(const Point2& center, EvidenceGridParams params)
+    : params_(params),
+      center_(center),
+      corner_(center.array() - 0.5 * params.extent_m),
+      size_(static_cast<int>(std::ceil(params.extent_m / params.resolution_m))),
+      cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_)) {}
+
+void EvidenceGrid::add(const LaserScan& scan, const Pose2& T_submap_laser) {
+  count(scan, T_submap_laser, 1);
+}
+
+void EvidenceGrid::remove(const LaserScan& scan, const Pose2& T_submap_laser) {
+  count(scan, T_submap_laser, -1);
+}
+
+void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int sign) {
+  const double scale = 1.0 / params_.resolution_m;
+  const Point2 start = (T_submap_laser.translation() - corner_) * scale;
+  const auto cell_at = [&](const Point2& p) -> CellCounts* {
+    const int column = static_cast<int>(std::floor(p.x()));
+    const int row = static_cast<int>(std::floor(p.y()));
+    if (column < 0 || row < 0 || column >= size_ || row >= size_) return nullptr;
+    const auto index = static_cast<std::uint32_t>(row * size_ + column);
+    CellCounts& cell = cells_[index];
+    if (cell.ends == 0 && cell.passes == 0) touched_.push_back(index);
+    return &cell;
+  };
+  double last_bearing = -1e9;
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    if (!scan.has_return(beam)) continue;
+    const double bearing = scan.bearing(beam);
+    if (std::abs(bearing - last_bearing) < params_.min_beam_spacing_rad) continue;
+    last_bearing = bearing;
+    const double range = static_cast<double>(scan.ranges[beam]);
+    const Point2 direction{std::cos(T_submap_laser.yaw + bearing),
+                           std::sin(T_submap_laser.yaw + bearing)};
+    if (range <= params_.max_range_m) {
+      const Point2 end = start + (range * scale) * direction;
+      if (CellCounts* cell = cell_at(end)) {
+        cell->ends = static_cast<std::int16_t>(cell->ends + sign);
+        cell->sum_x += static_cast<float>(sign) * static_cast<float>(end.x() - std::floor(end.x()));
+        cell->sum_y += static_cast<float>(sign) * static_cast<float>(end.y() - std::floor(end.y()));
+      }
+    }
+    // A beam that ends in a wall did not pass its surface.
+    const double passed = std::min(range * scale - 1.5, params_.max_range_m * scale);
+    for (double along = 0.5; along < passed; along += 1.0) {
+      if (CellCounts* cell = cell_at(start + along * direction)) {
+        cell->passes = static_cast<std::int16_t>(std::clamp(cell->passes + sign, -32000, 32000));
+      }
+    }
+  }
+}
+
+Evidence EvidenceGrid::collect() const {
+  Evidence evidence;
+  for (const std::uint32_t index : touched_) {
+    const CellCounts& cell = cells_[index];
+    const auto column = static_cast<int>(index) % size_;
+    const auto row = static_cast<int>(index) / size_;
+    const Point2 corner = corner_ + params_.resolution_m * Point2{column, row};
+    if (cell.ends > 0) {
+      if (cell.passes > 2 * cell.ends) continue;
+      const Point2 mean{static_cast<double>(cell.sum_x) / cell.ends,
+                        static_cast<double>(cell.sum_y) / cell.ends};
+      evidence.ends.emplace_back(corner + params_.resolution_m * mean);
+    } else if (cell.passes > 0 && column % 2 == 0 && row % 2 == 0) {
+      evidence.free.emplace_back(corner + params_.resolution_m * Point2{0.5, 0.5});
+    }
+  }
+  return evidence;
+}
+
+}  // namespace cornerfix

@@ -1,0 +1,531 @@
+#include <cornerfix/localizer.hpp>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace cornerfix {
+namespace {
+
+// Matching a scan to the submap.
+constexpr std::size_t kMatchPoints = 360;  // evenly thinned; more do not make the pose better
+constexpr double kMinMatchedShare = 0.3;   // below this a scan does not belong to the submap
+constexpr int kMaxStrayScans =
+    3;  // as many in a row: the robot was carried, the submap begins anew
+
+// Candidates.
+constexpr std::size_t kMaxCandidates = 12;
+constexpr double kDistinctDistance = 1.0;  // places nearer than this and
+constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
+constexpr std::size_t kRefinePoints = 200;
+constexpr double kRivalMargin =
+    1.0;  // mean log-likelihood below the best at which a rival cannot matter [nat]
+constexpr double kMinRivalWeight = -0.2;  // and below which a place is no candidate at all
+
+// Tracking.
+constexpr double kFitDistance = 0.2;  // a return this near to a wall fits
+constexpr double kMinFitShare = 0.35;
+constexpr double kMaxContradictedShare = 0.4;
+constexpr double kMaxMisfitWay =
+    1.5;  // driven while the scans do not fit, until the pose is taken back [m]
+constexpr int kMaxMisfits = 20;  // or so many scans, when standing
+
+struct Candidate {
+  std::size_t map = 0;
+  Pose2 T_map_submap;
+  int votes = 0;
+  int inliers = 0;
+  EvidenceScore score;
+};
+
+std::vector<Point2> thinned(const std::vector<Point2>& points, std::size_t count) {
+  if (points.size() <= count) return points;
+  std::vector<Point2> kept;
+  kept.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) kept.push_back(points[i * points.size() / count]);
+  return kept;
+}
+
+std::vector<Point2> transformed_points(const Pose2& T, const std::vector<Point2>& points) {
+  std::vector<Point2> moved;
+  moved.reserve(points.size());
+  const double c = std::cos(T.yaw);
+  const double s = std::sin(T.yaw);
+  for (const Point2& p : points)
+    moved.emplace_back(T.x + c * p.x() - s * p.y(), T.y + s * p.x() + c * p.y());
+  return moved;
+}
+
+/// How sure odometry is of a motion.
+PosePrior odometry_prior(const Pose2& T_submap_base_link, const Pose2& motion, bool has_odometry) {
+  const double way = std::hypot(motion.x, motion.y);
+  const double turn = std::abs(motion.yaw);
+  if (has_odometry) return {T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way};
+  return {T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn};  // constant velocity is a guess
+}
+
+}  // namespace
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::kCollecting:
+      return "collecting";
+    case Status::kAmbiguous:
+      return "ambiguous";
+    case Status::kLocalized:
+      return "localized";
+    case Status::kLost:
+      return "lost";
+  }
+  return "collecting";
+}
+
+std::string_view to_string(Reason reason) {
+  switch (reason) {
+    case Reason::kNone:
+      return "";
+    case Reason::kNoReturns:
+      return "no_returns";
+    case Reason::kFewFeatures:
+      return "few_features";
+    case Reason::kNoMotion:
+      return "no_motion";
+    case Reason::kNoMatch:
+      return "no_match";
+    case Reason::kFewEvidence:
+      return "few_evidence";
+    case Reason::kContradicted:
+      return "contradicted";
+  }
+  return "";
+}
+
+struct Localizer::Impl {
+  Impl(std::vector<LocalizationMapPtr> the_maps, LocalizerParams the_params, Clock the_clock)
+      : maps(std::move(the_maps)), params(the_params), clock(std::move(the_clock)) {}
+
+  std::vector<LocalizationMapPtr> maps;
+  LocalizerParams params;
+  Clock clock;
+
+  Submap submap;
+  std::uint64_t scans = 0;
+  Pose2 T_submap_base_link;
+  Pose2 last_motion;
+  double way_m = 0.0;
+  std::optional<double> last_stamp;
+  std::optional<Pose2> last_T_odom_base_link;
+  int stray_scans = 0;
+
+  Status status = Status::kCollecting;
+  Reason reason = Reason::kFewFeatures;
+  std::vector<Candidate> candidates;  ///< Best first.
+  double confidence = 0.0;
+
+  std::optional<Candidate> fix;  ///< While localized.
+  Eigen::Matrix3d fix_information = Eigen::Matrix3d::Zero();
+  double misfit_way_m = 0.0;
+  int misfits = 0;
+
+  // --- one scan
+  // ---------------------------------------------------------------------------------------------------
+
+  [[nodiscard]] double now() const { return clock ? clock() : 0.0; }
+
+  Answer process(const RobotScan& robot_scan) {
+    assert(!last_stamp || robot_scan.scan.stamp > *last_stamp);
+    StepTimes times;
+    const double begin = now();
+    const std::vector<Point2> points = transformed_points(
+        robot_scan.T_base_link_laser, thinned(returns_as_points(robot_scan.scan), kMatchPoints));
+    move_along(robot_scan, points);
+    times.odometry_ms = now() - begin;
+
+    const double extract_begin = now();
+    const bool news = !points.empty() && submap.wants(T_submap_base_link);
+    if (news) keep(robot_scan);
+    times.extract_ms = now() - extract_begin;
+
+    if (fix) {
+      const double track_begin = now();
+      track(points, news);
+      times.track_ms = now() - track_begin;
+    } else if (news) {
+      search(times);
+      if (fix) track(points, false);
+    } else if (submap.empty()) {
+      reason = Reason::kNoReturns;
+    }
+    ++scans;
+    times.total_ms = now() - begin;
+    return answer(times);
+  }
+
+  /// Scan-to-submap matching, from odometry where it is there and constant velocity where it is
+  /// not.
+  void move_along(const RobotScan& robot_scan, const std::vector<Point2>& points) {
+    const bool has_odometry = robot_scan.T_odom_base_link && last_T_odom_base_link;
+    const Pose2 motion =
+        has_odometry ? inverse(*last_T_odom_base_link) * *robot_scan.T_odom_base_link : last_motion;
+    last_T_odom_base_link = robot_scan.T_odom_base_link;
+    last_stamp = robot_scan.scan.stamp;
+    if (submap.empty()) return;  // this scan begins the submap, wherever it is
+    const Pose2 before = T_submap_base_link;
+    Pose2 now_at = before * motion;
+    if (!points.empty()) {
+      const RefinedPose matched =
+          submap.match(points, odometry_prior(now_at, motion, has_odometry));
+      if (matched.inlier_share >= kMinMatchedShare) {
+        now_at = matched.T_frame_base_link;
+        stray_scans = 0;
+      } else if (++stray_scans >= kMaxStrayScans) {
+        restart_submap();
+        return;
+      }
+    }
+    T_submap_base_link = now_at;
+    last_motion = inverse(before) * now_at;
+    const double step = distance(before, now_at);
+    way_m += step;
+    if (fix) misfit_way_m += step;
+  }
+
+  /// The scans no longer continue the submap: whatever was known from it is void.
+  void restart_submap() {
+    submap = Submap();
+    T_submap_base_link = {};
+    last_motion = {};
+    stray_scans = 0;
+    candidates.clear();
+    if (fix) {
+      fix.reset();
+      status = Status::kLost;
+      reason = Reason::kContradicted;
+    }
+  }
+
+  void keep(const RobotScan& robot_scan) {
+    SubmapScan kept{0, robot_scan.scan, robot_scan.T_base_link_laser, T_submap_base_link};
+    submap.keep(std::move(kept), corners_of(robot_scan.scan));
+  }
+
+  static std::vector<Feature> corners_of(const LaserScan& scan) {
+    return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
+  }
+
+  // --- search
+  // -----------------------------------------------------------------------------------------------------
+
+  void search(StepTimes& times) {
+    const double match_begin = now();
+    std::vector<Candidate> found = std::move(candidates);
+    if (submap.features().size() >= static_cast<std::size_t>(params.min_features)) {
+      for (std::size_t map = 0; map < maps.size(); ++map) match_features(map, found);
+    }
+    times.match_ms = now() - match_begin;
+
+    const double verify_begin = now();
+    judge(found);
+    if (!candidates.empty() && probability() >= params.acceptance.min_probability) {
+      // The gap to the second best means nothing while the second best may not have been looked at.
+      found = std::move(candidates);
+      add_rivals(found);
+      judge(found);
+    }
+    decide();
+    times.verify_ms = now() - verify_begin;
+  }
+
+  /// NMA or RMA, RANSAC on the pairs of the best matches (eqs. 15-18).
+  void match_features(std::size_t map, std::vector<Candidate>& found) const {
+    const std::vector<Feature>& features = submap.features();
+    const DescriptorSet& global = maps[map]->descriptors();
+    const DescriptorSet local = describe(features, global.params);
+    const auto max_matches = static_cast<std::size_t>(params.max_matches);
+    SampledMatchParams sampling = params.sampling;
+    sampling.seed = params.seed + scans;
+    const std::vector<DescriptorMatch> matches =
+        params.method == Method::kNma
+            ? match_exhaustive(local, global, params.min_votes, max_matches)
+            : match_sampled(local, global, params.min_votes, max_matches, sampling);
+    for (const DescriptorMatch& match : matches) {
+      std::vector<Correspondence> correspondences;
+      for (const auto& [m, n] : pairs_of(match, local, global)) {
+        correspondences.push_back({features[m].position, maps[map]->features()[n].position});
+      }
+      PoseEstimatorParams estimator = params.estimator;
+      estimator.seed = params.seed;
+      if (const auto estimate = estimate_pose(correspondences, estimator)) {
+        found.push_back({map,
+                         estimate->T_map_submap,
+                         match.votes,
+                         static_cast<int>(estimate->inliers.size()),
+                         {}});
+      }
+    }
+  }
+
+  /// Every place of every map that comes near the best candidate.
+  void add_rivals(std::vector<Candidate>& found) const {
+    const Candidate& best = found.front();
+    const double best_mean = best.score.log_likelihood / std::max(1, best.score.ends);
+    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
+    const std::vector<Point2> ends = transformed_points(T_base_link_submap, submap.evidence().ends);
+    std::vector<Point2> way;
+    for (const SubmapScan& scan : submap.scans()) {
+      way.push_back((T_base_link_submap * scan.T_submap_base_link).translation());
+    }
+    PlaceSearchParams search;
+    search.min_mean_weight = std::max(kMinRivalWeight, best_mean - kRivalMargin);
+    for (std::size_t map = 0; map < maps.size(); ++map) {
+      for (const Place& place : maps[map]->place_search().find(ends, way, search)) {
+        found.push_back({map, place.T_map_base_link * T_base_link_submap, 0, 0, {}});
+      }
+    }
+  }
+
+  /// Refines and scores, keeps the best of each place, best first.
+  void judge(std::vector<Candidate>& found) {
+    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
+    const std::vector<Point2> ends =
+        transformed_points(T_base_link_submap, thinned(submap.evidence().ends, kRefinePoints));
+    for (Candidate& candidate : found) {
+      const DistanceField& field = maps[candidate.map]->field();
+      Pose2 T_map_base_link = candidate.T_map_submap * T_submap_base_link;
+      T_map_base_link =
+          refine_pose(field, ends, T_map_base_link, {.kernel_m = 0.4, .max_iterations = 8})
+              .T_frame_base_link;
+      T_map_base_link =
+          refine_pose(field, ends, T_map_base_link, {.kernel_m = 0.1, .max_iterations = 8})
+              .T_frame_base_link;
+      candidate.T_map_submap = T_map_base_link * T_base_link_submap;
+      candidate.score =
+          score_evidence(maps[candidate.map]->classes(), submap.evidence(), candidate.T_map_submap);
+    }
+    std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+      return a.score.log_likelihood > b.score.log_likelihood;
+    });
+    candidates.clear();
+    for (const Candidate& candidate : found) {
+      if (candidates.size() == kMaxCandidates) break;
+      Candidate* same = find_same_place(candidate);
+      if (same == nullptr) {
+        candidates.push_back(candidate);
+      } else {
+        same->votes = std::max(same->votes, candidate.votes);
+        same->inliers = std::max(same->inliers, candidate.inliers);
+      }
+    }
+  }
+
+  Candidate* find_same_place(const Candidate& candidate) {
+    const Pose2 T_map_base_link = candidate.T_map_submap * T_submap_base_link;
+    for (Candidate& known : candidates) {
+      const Pose2 other = known.T_map_submap * T_submap_base_link;
+      if (known.map == candidate.map && distance(other, T_map_base_link) < kDistinctDistance &&
+          angle_between(other, T_map_base_link) < kDistinctAngle) {
+        return &known;
+      }
+    }
+    return nullptr;
+  }
+
+  /// Log-likelihood of the best candidate less that of the best other place, at most what a search
+  /// would have found.
+  [[nodiscard]] double gap() const {
+    const EvidenceScore& best = candidates.front().score;
+    const double floor =
+        std::max(kMinRivalWeight * best.ends, best.log_likelihood - kRivalMargin * best.ends);
+    const double second =
+        candidates.size() > 1 ? std::max(floor, candidates[1].score.log_likelihood) : floor;
+    return best.log_likelihood - second;
+  }
+
+  [[nodiscard]] double probability() const {
+    return probability_right(candidates.front().score, gap());
+  }
+
+  void decide() {
+    const Status before = status;
+    status = before == Status::kLost ? Status::kLost : Status::kCollecting;
+    confidence = 0.0;
+    if (candidates.empty()) {
+      reason = submap.features().size() < static_cast<std::size_t>(params.min_features)
+                   ? Reason::kFewFeatures
+                   : Reason::kNoMatch;
+      return;
+    }
+    const EvidenceScore& best = candidates.front().score;
+    confidence = probability();
+    const bool fits = best.log_likelihood > 0.0;
+    const bool distinct = gap() >= params.acceptance.min_mean_gap * best.ends;
+    if (fits && distinct && gap() >= params.acceptance.min_gap &&
+        confidence >= params.acceptance.min_probability) {
+      status = Status::kLocalized;
+      reason = Reason::kNone;
+      fix = candidates.front();
+      misfits = 0;
+      misfit_way_m = 0.0;
+      return;
+    }
+    if (!fits) {
+      reason = Reason::kNoMatch;
+    } else if (!distinct && best.matched >= 0.7) {
+      status = before == Status::kLost ? Status::kLost : Status::kAmbiguous;
+      reason = Reason::kNone;
+    } else {
+      reason = gap() < params.acceptance.min_gap ? Reason::kFewEvidence : Reason::kContradicted;
+    }
+  }
+
+  // --- tracking
+  // ---------------------------------------------------------------------------------------------------
+
+  /// Lays the scan on the map from where the submap says it is; takes the pose back when it stays
+  /// off the walls.
+  void track(const std::vector<Point2>& points, bool news) {
+    const LocalizationMap& map = *maps[fix->map];
+    const Pose2 predicted = fix->T_map_submap * T_submap_base_link;
+    if (points.empty()) return;
+    const PosePrior prior{predicted, 0.05, 0.02};
+    const RefinedPose refined =
+        refine_pose(map.field(), points, predicted, {.kernel_m = 0.15, .max_iterations = 8}, prior);
+    const EvidenceScore fit =
+        score_evidence(map.classes(), {points, {}}, refined.T_frame_base_link);
+    if (fit.matched >= kMinFitShare) {
+      fix->T_map_submap = refined.T_frame_base_link * inverse(T_submap_base_link);
+      fix_information = refined.information;
+    }
+    if (news) fix->score = score_evidence(map.classes(), submap.evidence(), fix->T_map_submap);
+    const bool fits = fit.matched >= kMinFitShare && fit.contradicted <= kMaxContradictedShare;
+    if (fits) {
+      misfits = 0;
+      misfit_way_m = 0.0;
+      return;
+    }
+    ++misfits;
+    if (misfit_way_m > kMaxMisfitWay || misfits > kMaxMisfits) {
+      restart_submap();
+    }
+  }
+
+  [[nodiscard]] std::array<double, 9> covariance() const {
+    // What the map itself may be off by, and no less certain than a metre and half a radian in a
+    // blind direction.
+    const Eigen::Vector3d least_information{1.0, 1.0, 4.0};
+    const Eigen::Vector3d map_variance{4e-4, 4e-4, 1e-5};
+    Eigen::Matrix3d information = fix_information;
+    information.diagonal() += least_information;
+    Eigen::Matrix3d covariance = information.inverse();
+    covariance.diagonal() += map_variance;
+    std::array<double, 9> row_major{};
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) row_major[static_cast<std::size_t>(3 * r + c)] = covariance(r, c);
+    }
+    return row_major;
+  }
+
+  // --- answer
+  // -----------------------------------------------------------------------------------------------------
+
+  [[nodiscard]] Answer answer(const StepTimes& times) const {
+    Answer answer;
+    answer.status = status;
+    answer.reason = status == Status::kLocalized ? Reason::kNone : reason;
+    answer.confidence = confidence;
+    if (fix) {
+      answer.pose =
+          LocalizedPose{maps[fix->map], fix->T_map_submap * T_submap_base_link, covariance()};
+      answer.hypotheses.push_back(ranked(*fix));
+    } else {
+      for (const Candidate& candidate : candidates) answer.hypotheses.push_back(ranked(candidate));
+    }
+    answer.local_scans = static_cast<int>(submap.size());
+    answer.local_features = static_cast<int>(submap.features().size());
+    answer.T_submap_base_link = T_submap_base_link;
+    answer.times = times;
+    return answer;
+  }
+
+  [[nodiscard]] RankedHypothesis ranked(const Candidate& candidate) const {
+    return {maps[candidate.map], candidate.T_map_submap * T_submap_base_link, candidate.votes,
+            candidate.inliers, candidate.score.matched};
+  }
+};
+
+Localizer::Localizer(std::vector<LocalizationMapPtr> maps, LocalizerParams params, Clock clock)
+    : impl_(std::make_unique<Impl>(std::move(maps), params, std::move(clock))) {}
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+Answer Localizer::process(const RobotScan& scan) { return impl_->process(scan); }
+
+void Localizer::reset() {
+  *impl_ = Impl(std::move(impl_->maps), impl_->params, std::move(impl_->clock));
+}
+
+void Localizer::replace_maps(std::vector<LocalizationMapPtr> maps) {
+  assert(maps.size() >= impl_->maps.size() && "maps may join at the end, none may leave");
+  impl_->maps = std::move(maps);
+}
+
+LocalizerState Localizer::state() const {
+  LocalizerState state;
+  state.submap = impl_->submap.scans();
+  state.next_index = impl_->submap.next_index();
+  state.scans = impl_->scans;
+  state.T_submap_base_link = impl_->T_submap_base_link;
+  state.last_motion = impl_->last_motion;
+  state.way_m = impl_->way_m;
+  state.last_stamp = impl_->last_stamp;
+  state.last_T_odom_base_link = impl_->last_T_odom_base_link;
+  state.status = impl_->status;
+  if (impl_->fix) {
+    state.tracked_map = static_cast<int>(impl_->fix->map);
+    state.T_map_submap = impl_->fix->T_map_submap;
+  }
+  state.misfits = impl_->misfits;
+  return state;
+}
+
+void Localizer::restore(LocalizerState state) {
+  reset();
+  for (SubmapScan& scan : state.submap) {
+    std::vector<Feature> corners = Impl::corners_of(scan.scan);
+    impl_->submap.keep(std::move(scan), std::move(corners), true);
+  }
+  impl_->submap.set_next_index(state.next_index);
+  impl_->scans = state.scans;
+  impl_->T_submap_base_link = state.T_submap_base_link;
+  impl_->last_motion = state.last_motion;
+  impl_->way_m = state.way_m;
+  impl_->last_stamp = state.last_stamp;
+  impl_->last_T_odom_base_link = state.last_T_odom_base_link;
+  impl_->status = state.status;
+  impl_->misfits = state.misfits;
+  if (state.tracked_map >= 0 && static_cast<std::size_t>(state.tracked_map) < impl_->maps.size()) {
+    Candidate fix{static_cast<std::size_t>(state.tracked_map), state.T_map_submap, 0, 0, {}};
+    fix.score =
+        score_evidence(impl_->maps[fix.map]->classes(), impl_->submap.evidence(), fix.T_map_submap);
+    impl_->fix = fix;
+  } else if (impl_->status == Status::kLocalized) {
+    impl_->status = Status::kCollecting;
+  }
+}
+
+std::optional<double> Localizer::last_stamp() const { return impl_->last_stamp; }
+
+const std::vector<LocalizationMapPtr>& Localizer::maps() const { return impl_->maps; }
+
+std::vector<Point2> Localizer::local_features_base_link() const {
+  const Pose2 T_base_link_submap = inverse(impl_->T_submap_base_link);
+  std::vector<Point2> points;
+  for (const Feature& feature : impl_->submap.features())
+    points.push_back(T_base_link_submap * feature.position);
+  return points;
+}
+
+}  // namespace cornerfix

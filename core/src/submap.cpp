@@ -1,0 +1,114 @@
+#include <cornerfix/submap.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cornerfix {
+namespace {
+
+constexpr double kMaxLink = 0.5;  // neighbouring returns nearer than this lie on one wall [m]
+constexpr double kCoarseKernel = 0.4;
+constexpr double kFineKernel = 0.12;
+
+DistanceField empty_field(const SubmapParams& params, const Point2& center) {
+  const int cells = static_cast<int>(std::ceil(params.field_extent_m / params.field_resolution_m));
+  const double half = 0.5 * params.field_extent_m;
+  return {Pose2{center.x() - half, center.y() - half, 0.0}, params.field_resolution_m, cells,
+          cells};
+}
+
+}  // namespace
+
+Submap::Submap(SubmapParams params)
+    : params_(params),
+      field_(empty_field(params, Point2::Zero())),
+      evidence_grid_(Point2::Zero(), params.evidence),
+      features_(params.features) {}
+
+bool Submap::wants(const Pose2& T_submap_base_link) const {
+  if (kept_.empty()) return true;
+  const Pose2& last = kept_.back().scan.T_submap_base_link;
+  return distance(last, T_submap_base_link) >= params_.keep_distance_m ||
+         angle_between(last, T_submap_base_link) >= params_.keep_angle_rad;
+}
+
+void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool restored) {
+  if (!restored) scan.index = next_index_++;
+  const Pose2 T_submap_laser = scan.T_submap_base_link * scan.T_base_link_laser;
+  for (Feature& corner : corners_laser) corner = transformed(T_submap_laser, corner);
+  Kept kept{std::move(scan), std::move(corners_laser), 0.0};
+  if (!kept_.empty()) {
+    kept.way_m = kept_.back().way_m +
+                 distance(kept_.back().scan.T_submap_base_link, kept.scan.T_submap_base_link);
+  }
+  stamp(kept.scan);
+  evidence_grid_.add(kept.scan.scan, T_submap_laser);
+  features_.insert(kept.corners_submap);
+  const double way = kept.way_m;
+  const Point2 position = kept.scan.T_submap_base_link.translation();
+  kept_.push_back(std::move(kept));
+
+  bool forgot = false;
+  while (way - kept_.front().way_m > params_.window_m) {
+    const SubmapScan& old = kept_.front().scan;
+    evidence_grid_.remove(old.scan, old.T_submap_base_link * old.T_base_link_laser);
+    kept_.pop_front();
+    forgot = true;
+  }
+  if (forgot) {
+    features_ = FeatureMap(params_.features);
+    for (const Kept& one : kept_) features_.insert(one.corners_submap);
+  }
+  // The fields are squares; move them along before the robot's surroundings reach their border.
+  // That also wipes forgotten walls from the field that scans are matched on.
+  if ((position - evidence_grid_.center()).cwiseAbs().maxCoeff() > 0.2 * params_.field_extent_m)
+    rebuild_about(position);
+  evidence_ = evidence_grid_.collect();
+}
+
+void Submap::stamp(const SubmapScan& scan) {
+  const Pose2 T_grid_laser =
+      field_.T_grid_frame() * scan.T_submap_base_link * scan.T_base_link_laser;
+  const double spacing = params_.field_resolution_m;
+  std::optional<Point2> last;
+  for (const Point2& point : returns_as_points(scan.scan)) {
+    const Point2 here = T_grid_laser * point;
+    const double gap = last ? (here - *last).norm() : kMaxLink;
+    if (gap < 0.8 * spacing) continue;
+    // Between returns on one wall the field must be a wall, not a row of dots that attract each
+    // other.
+    const int pieces = gap < kMaxLink ? static_cast<int>(std::ceil(gap / spacing)) : 1;
+    for (int i = 1; i < pieces; ++i) {
+      field_.stamp(*last + (here - *last) * (static_cast<double>(i) / pieces),
+                   params_.stamp_radius_m);
+    }
+    field_.stamp(here, params_.stamp_radius_m);
+    last = here;
+  }
+}
+
+void Submap::rebuild_about(const Point2& center) {
+  field_ = empty_field(params_, center);
+  evidence_grid_ = EvidenceGrid(center, params_.evidence);
+  for (const Kept& kept : kept_) {
+    stamp(kept.scan);
+    evidence_grid_.add(kept.scan.scan, kept.scan.T_submap_base_link * kept.scan.T_base_link_laser);
+  }
+}
+
+RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior) const {
+  const RefinedPose coarse = refine_pose(field_, points_base_link, prior.T_frame_base_link,
+                                         {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
+  return refine_pose(field_, points_base_link, coarse.T_frame_base_link,
+                     {.kernel_m = kFineKernel, .max_iterations = 6}, prior);
+}
+
+std::vector<SubmapScan> Submap::scans() const {
+  std::vector<SubmapScan> scans;
+  scans.reserve(kept_.size());
+  for (const Kept& kept : kept_) scans.push_back(kept.scan);
+  return scans;
+}
+
+}  // namespace cornerfix
