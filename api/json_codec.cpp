@@ -1,0 +1,214 @@
+#include "api/json_codec.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "api/params_codec.hpp"
+
+namespace cornerfix::api {
+namespace {
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json pose_json(const Pose2& pose) {
+  return {{"x", number(pose.x)}, {"y", number(pose.y)}, {"yaw", number(pose.yaw)}};
+}
+
+Json localized_pose_json(const LocalizedPose& pose, double stamp) {
+  Json json = {
+      {"map", pose.map->name()}, {"revision", pose.map->revision()}, {"stamp", number(stamp)}};
+  json.update(pose_json(pose.T_map_base_link));
+  json["covariance"] = Json::array();
+  for (const double entry : pose.covariance) json["covariance"].push_back(number(entry));
+  return json;
+}
+
+Json hypothesis_json(const RankedHypothesis& hypothesis) {
+  Json json = {{"map", hypothesis.map->name()}, {"revision", hypothesis.map->revision()}};
+  json.update(pose_json(hypothesis.T_map_base_link));
+  json["votes"] = hypothesis.votes;
+  json["inliers"] = hypothesis.inliers;
+  json["score"] = number(hypothesis.score);
+  return json;
+}
+
+Json times_json(const StepTimes& times) {
+  return {{"odometry", number(times.odometry_ms)}, {"extract", number(times.extract_ms)},
+          {"match", number(times.match_ms)},       {"verify", number(times.verify_ms)},
+          {"track", number(times.track_ms)},       {"total", number(times.total_ms)}};
+}
+
+Json to_millimetres(double value_m) { return number(std::round(value_m * 1e3) / 1e3); }
+
+Json point_json(const Point2& point) {
+  return Json::array({to_millimetres(point.x()), to_millimetres(point.y())});
+}
+
+Json bounds_json(const std::optional<Bounds>& bounds) {
+  if (!bounds) return nullptr;
+  return {{"min_x", number(bounds->min.x())},
+          {"min_y", number(bounds->min.y())},
+          {"max_x", number(bounds->max.x())},
+          {"max_y", number(bounds->max.y())}};
+}
+
+bool contains(const Bounds& box, const Point2& point) {
+  return (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
+}
+
+Json feature_json(std::size_t id, const Feature& feature) {
+  return {{"id", id},
+          {"x", number(feature.position.x())},
+          {"y", number(feature.position.y())},
+          {"angle", number(feature.turn_angle)},
+          {"weight", number(feature.weight)},
+          {"bisector", number(feature.bisector)},
+          {"count", feature.count}};
+}
+
+/// A text of the store; null when it is empty.
+Json stored(std::string_view text) {
+  Json json = Json::parse(text, nullptr, false);
+  return json.is_discarded() ? Json(nullptr) : json;
+}
+
+std::string as_string(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+std::string_view media_type(BodyFormat format) {
+  switch (format) {
+    case BodyFormat::kCbor:
+      return "application/cbor";
+    case BodyFormat::kMessagePack:
+      return "application/msgpack";
+    case BodyFormat::kJson:
+      break;
+  }
+  return "application/json";
+}
+
+std::string encode(const Json& document, BodyFormat format) {
+  switch (format) {
+    case BodyFormat::kCbor:
+      return as_string(Json::to_cbor(document));
+    case BodyFormat::kMessagePack:
+      return as_string(Json::to_msgpack(document));
+    case BodyFormat::kJson:
+      break;
+  }
+  return document.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
+  Json json;
+  json["session"] = origin.session.empty() ? Json(nullptr) : Json(origin.session);
+  json["sequence"] = origin.sequence ? Json(*origin.sequence) : Json(nullptr);
+  json["status"] = to_string(answer.status);
+  const bool has_pose = answer.status == Status::kLocalized && answer.pose.has_value();
+  json["pose"] = has_pose ? localized_pose_json(*answer.pose, origin.stamp) : Json(nullptr);
+  json["confidence"] = number(answer.confidence);
+  json["hypotheses"] = Json::array();
+  for (const RankedHypothesis& hypothesis : answer.hypotheses) {
+    json["hypotheses"].push_back(hypothesis_json(hypothesis));
+  }
+  json["reason"] = answer.reason == Reason::kNone ? Json(nullptr) : Json(to_string(answer.reason));
+  json["local"] = {{"scans", answer.local_scans},
+                   {"features", answer.local_features},
+                   {"pose", pose_json(answer.T_submap_base_link)}};
+  json["timing_ms"] = times_json(answer.times);
+  return json;
+}
+
+Json with_points(Json answer, const RobotScan& last_scan,
+                 std::span<const Point2> features_base_link) {
+  Json& scan_points = answer["scan_points"] = Json::array();
+  for (const Point2& point_laser : returns_as_points(last_scan.scan)) {
+    scan_points.push_back(point_json(last_scan.T_base_link_laser * point_laser));
+  }
+  Json& feature_points = answer["feature_points"] = Json::array();
+  for (const Point2& point : features_base_link) feature_points.push_back(point_json(point));
+  return answer;
+}
+
+Json render_map(const MapEntry& map) {
+  return {{"name", map.name},
+          {"description", map.description},
+          {"revision", map.revision},
+          {"digest", map.digest},
+          {"keyframes", map.key_frames},
+          {"features", map.features},
+          {"bounds", bounds_json(map.bounds)},
+          {"created", map.created},
+          {"updated", map.updated},
+          {"lidar", stored(map.lidar_json)},
+          {"parameters", params_to_json(mapper_params_from_json(map.parameters_json))}};
+}
+
+Json render_map_list(std::span<const MapEntry> maps,
+                     std::optional<std::string_view> next_page_token) {
+  Json list = Json::array();
+  for (const MapEntry& map : maps) list.push_back(render_map(map));
+  return {{"maps", std::move(list)},
+          {"next_page_token", next_page_token ? Json(*next_page_token) : Json(nullptr)}};
+}
+
+Json render_map_batch(const MapBatchResult& result) {
+  return {{"accepted", result.accepted},
+          {"duplicates", result.duplicates},
+          {"keyframes", result.key_frames},
+          {"features", result.features},
+          {"revision", result.revision}};
+}
+
+Json render_features(std::uint64_t revision, std::span<const Feature> features,
+                     const std::optional<Bounds>& box) {
+  Json list = Json::array();
+  for (std::size_t id = 0; id < features.size(); ++id) {
+    if (box && !contains(*box, features[id].position)) continue;
+    list.push_back(feature_json(id, features[id]));
+  }
+  return {{"revision", revision}, {"features", std::move(list)}};
+}
+
+Json render_descriptor(std::uint64_t revision, std::size_t feature,
+                       const DescriptorSet& descriptors) {
+  assert(feature < descriptors.size() && "the caller answers 404 before");
+  Json entries = Json::array();
+  for (const DescriptorEntry& entry : descriptors[feature]) {
+    entries.push_back({{"feature", entry.feature},
+                       {"distance_bin", entry.distance_bin},
+                       {"angle_bin", entry.angle_bin}});
+  }
+  return {{"revision", revision},
+          {"feature", feature},
+          {"distance_resolution_m", descriptors.params.distance_resolution_m},
+          {"angle_resolution_rad", descriptors.params.angle_resolution_rad},
+          {"angle_bins", descriptors.angle_bins()},
+          {"entries", std::move(entries)}};
+}
+
+Json render_session(const SessionEntry& session) {
+  const bool one_map = session.maps.size() == 1;
+  Json json = {{"id", session.id}, {"robot", session.robot}};
+  json["map"] = one_map ? Json(session.maps.front()) : Json(nullptr);
+  json["maps"] = session.maps.empty() ? Json(nullptr) : Json(session.maps);
+  json["lidar"] = stored(session.lidar_json);
+  json["options"] = params_to_json(params_from_json(session.options_json));
+  json["created"] = session.created;
+  json["expected"] = session.expected;
+  json["last_answer"] = session.last_answer != nullptr ? *session.last_answer : Json(nullptr);
+  return json;
+}
+
+Json render_session_list(std::span<const SessionEntry> sessions) {
+  Json list = Json::array();
+  for (const SessionEntry& session : sessions) list.push_back(render_session(session));
+  return {{"sessions", std::move(list)}};
+}
+
+}  // namespace cornerfix::api
