@@ -10,12 +10,39 @@
 namespace cornerfix::api {
 namespace {
 
-// The tables: a line a setting, by the name it has in its struct.
+// The tables: a line a setting, by the name it has in its struct. The seeds of stages are left out:
+// they are drawn from the one seed.
+
+template <typename Visitor>
+void visit_members(SampledMatchParams& params, Visitor&& visit) {
+  visit("success_probability", params.success_probability);
+  visit("overlap", params.overlap);
+}
+
+template <typename Visitor>
+void visit_members(PoseEstimatorParams& params, Visitor&& visit) {
+  visit("inlier_distance_m", params.inlier_distance_m);
+  visit("min_inliers", params.min_inliers);
+  visit("max_iterations", params.max_iterations);
+}
+
+template <typename Visitor>
+void visit_members(AcceptanceParams& params, Visitor&& visit) {
+  visit("min_probability", params.min_probability);
+  visit("min_gap", params.min_gap);
+  visit("min_mean_gap", params.min_mean_gap);
+}
 
 template <typename Visitor>
 void visit_members(LocalizerParams& params, Visitor&& visit) {
   visit("method", params.method);
   visit("seed", params.seed);
+  visit("min_features", params.min_features);
+  visit("min_votes", params.min_votes);
+  visit("max_matches", params.max_matches);
+  visit("sampling", params.sampling);
+  visit("estimator", params.estimator);
+  visit("acceptance", params.acceptance);
 }
 
 template <typename Visitor>
