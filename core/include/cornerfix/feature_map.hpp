@@ -5,10 +5,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include <cornerfix/pose2.hpp>
+#include <cornerfix/result.hpp>
 
 namespace cornerfix {
 
@@ -23,38 +27,55 @@ struct Feature {
   int count = 1;        ///< Scans that showed it.
 };
 
-/// The same corner in the target frame of T.
-[[nodiscard]] inline Feature transformed(const Pose2& T, Feature feature) {
-  feature.position = T * feature.position;
-  feature.bisector = wrap_angle(feature.bisector + T.yaw);
-  return feature;
-}
+/// A feature of the source frame, in the target frame.
+[[nodiscard]] Feature transformed(const Pose2& T, Feature feature);
 
 struct FeatureMapParams {
   double suppression_radius_m = 0.35;  ///< Corners nearer than this are one feature; > 0.
 };
 
-/// Grows by the corners of scans; of near ones the one with the highest weight keeps its place.
-/// Value type; not synchronised. Memory O(features); insert is O(1) on average by a cell hash.
+/// The first broken limit, or nothing.
+[[nodiscard]] std::optional<Error> validate(const FeatureMapParams& params);
+
+/// Grows by the corners of scans; of near ones the one with the highest weight keeps its place, and
+/// no two features are ever within the suppression radius of each other.
+/// Value type; not synchronised. Memory O(features); a corner costs O(1) on average, by a hash of
+/// cells.
 class FeatureMap {
  public:
   explicit FeatureMap(FeatureMapParams params = {});
 
-  /// Merges `corners`, given in this map's frame, seen in one scan.
+  /// Merges `corners`, given in this map's frame, seen in one scan. A corner weaker than a feature
+  /// within the radius adds to the count of the nearest one; a corner stronger than all of them
+  /// takes their place and their counts. A scan adds at most one to a count. Positions must be
+  /// finite and within 1e8 radii of the origin.
   void insert(std::span<const Feature> corners);
 
-  /// In the order of first sight.
+  /// In the order of first sight, but for features that a stronger corner between them made one:
+  /// the last feature then moves up to the freed place.
   [[nodiscard]] const std::vector<Feature>& features() const { return features_; }
 
   /// Those seen in at least `min_count` scans.
   [[nodiscard]] std::vector<Feature> repeated(int min_count) const;
 
  private:
+  using Cell = std::uint64_t;  ///< Column and row of a cell as large as the radius.
+
+  [[nodiscard]] Cell cell_of(const Point2& position, int columns_off = 0, int rows_off = 0) const;
+  /// Indices of the features within the radius, nearest first.
+  [[nodiscard]] std::vector<std::size_t> neighbors(const Point2& position) const;
+  void insert(const Feature& corner);
+  void append(const Feature& corner);
+  void absorb(std::vector<std::size_t> weaker, const Feature& corner);
+  void remove(std::size_t index);
+  void forget_cell(std::size_t index);
+  void count_scan(std::size_t index);
+
   FeatureMapParams params_;
+  int scan_ = 0;  ///< Scans inserted so far.
   std::vector<Feature> features_;
-  struct CellHash;
-  std::vector<std::vector<std::size_t>>
-      buckets_;  ///< Feature indices by hashed cell of the radius' size.
+  std::vector<int> last_scan_;  ///< Per feature, the last scan that it counted.
+  std::unordered_multimap<Cell, std::size_t> cells_;  ///< Feature indices by cell.
 };
 
 }  // namespace cornerfix

@@ -4,19 +4,20 @@
 /// Peng et al. 2023, section 2, eqs. (1)-(6), algorithm 1.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <cornerfix/feature_map.hpp>
 #include <cornerfix/laser_scan.hpp>
+#include <cornerfix/result.hpp>
 #include <cornerfix/scan_segments.hpp>
 
 namespace cornerfix {
 
-/// Defaults for fine scanners; see docs/algorithm.md for where they come from. A scan coarser than
-/// `coarse_increment_rad` takes the second set.
+/// Defaults for fine scanners (0.25 deg a beam); docs/algorithm.md says where they come from.
 struct VfpParams {
-  ScanSegmentParams segments;
+  ScanSegmentParams segments{};
   int window = 10;                    ///< W of eq. (1): points on each side; >= 1.
   double min_score = 0.001;           ///< t_c; >= 0.
   double neighbor_distance_m = 0.5;   ///< t_neigh; > 0.
@@ -25,7 +26,8 @@ struct VfpParams {
   double suppression_radius_m = 0.5;  ///< Keep the largest a within this; > 0.
 };
 
-/// Defaults for scanners of about 1 deg a beam (algorithm.md, section 8).
+/// Parameters for a scanner with this angle between beams, between those for 0.25 deg and for 1 deg
+/// (algorithm.md, section 8).
 [[nodiscard]] VfpParams vfp_params_for(double angle_increment_rad);
 
 [[nodiscard]] std::optional<Error> validate(const VfpParams& params);
@@ -34,8 +36,9 @@ struct VfpParams {
 /// end use the part of the window that exists. O(n) by running sums.
 [[nodiscard]] std::vector<double> smoothness_scores(std::span<const ScanPoint> segment, int window);
 
-/// Corners of one scan in `laser`, by ascending beam. `weight` and `turn_angle` are a of eq. (6).
-/// O(beams + m^2) for m coarse points, as published.
+/// Corners of one scan in `laser`, by ascending beam. `weight` and `turn_angle` are a of eq. (6),
+/// `bisector` is the heading of L + R. `params` must pass validate().
+/// O(beams + m * n) for m coarse points with n points within t_neigh.
 [[nodiscard]] std::vector<Feature> extract_vfp_corners(const LaserScan& scan,
                                                        const VfpParams& params);
 
