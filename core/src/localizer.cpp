@@ -118,6 +118,8 @@ struct Localizer::Impl {
   std::optional<double> last_stamp;
   std::optional<Pose2> last_T_odom_base_link;
   int stray_scans = 0;
+  std::size_t searched_ends = 0;  ///< Evidence at the last search of the whole map.
+  double searched_way_m = 0.0;
 
   Status status = Status::kCollecting;
   Reason reason = Reason::kFewFeatures;
@@ -198,6 +200,7 @@ struct Localizer::Impl {
     T_submap_base_link = {};
     last_motion = {};
     stray_scans = 0;
+    searched_ends = 0;
     candidates.clear();
     if (fix) {
       fix.reset();
@@ -221,18 +224,20 @@ struct Localizer::Impl {
   void search(StepTimes& times) {
     const double match_begin = now();
     std::vector<Candidate> found = std::move(candidates);
-    if (submap.features().size() >= static_cast<std::size_t>(params.min_features)) {
+    if (params.method != Method::kIndexed &&
+        submap.features().size() >= static_cast<std::size_t>(params.min_features)) {
       for (std::size_t map = 0; map < maps.size(); ++map) match_features(map, found);
     }
     times.match_ms = now() - match_begin;
 
     const double verify_begin = now();
     judge(found);
-    if (!candidates.empty() && probability() >= params.acceptance.min_probability) {
-      // The gap to the second best means nothing while the second best may not have been looked at.
+    if (search_due()) {
       found = std::move(candidates);
-      add_rivals(found);
+      add_places(found);
       judge(found);
+      searched_ends = submap.evidence().ends.size();
+      searched_way_m = way_m;
     }
     decide();
     times.verify_ms = now() - verify_begin;
@@ -267,10 +272,21 @@ struct Localizer::Impl {
     }
   }
 
+  /// Whether the whole map must be looked at now.
+  [[nodiscard]] bool search_due() const {
+    // The gap to the second best means nothing while the second best may not have been looked at.
+    if (!candidates.empty() && acceptable()) return true;
+    if (params.method != Method::kIndexed) return false;
+    const double growth = static_cast<double>(submap.evidence().ends.size()) /
+                          std::max(1.0, static_cast<double>(searched_ends));
+    return searched_ends == 0 || growth >= 1.6 || way_m - searched_way_m >= 3.0;
+  }
+
   /// Every place of every map that comes near the best candidate.
-  void add_rivals(std::vector<Candidate>& found) const {
-    const Candidate& best = found.front();
-    const double best_mean = best.score.log_likelihood / std::max(1, best.score.ends);
+  void add_places(std::vector<Candidate>& found) const {
+    const double best_mean =
+        found.empty() ? 0.0
+                      : found.front().score.log_likelihood / std::max(1, found.front().score.ends);
     const Pose2 T_base_link_submap = inverse(T_submap_base_link);
     const std::vector<Point2> ends = transformed_points(T_base_link_submap, submap.evidence().ends);
     std::vector<Point2> way;
@@ -345,6 +361,12 @@ struct Localizer::Impl {
 
   [[nodiscard]] double probability() const {
     return probability_right(candidates.front().score, gap());
+  }
+
+  [[nodiscard]] bool acceptable() const {
+    const EvidenceScore& best = candidates.front().score;
+    return best.log_likelihood > 0.0 && gap() >= params.acceptance.min_mean_gap * best.ends &&
+           gap() >= params.acceptance.min_gap && probability() >= params.acceptance.min_probability;
   }
 
   void decide() {

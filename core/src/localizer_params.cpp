@@ -6,9 +6,10 @@
 namespace cornerfix {
 namespace {
 
-constexpr std::array<std::pair<Method, std::string_view>, 2> kMethodNames{{
+constexpr std::array<std::pair<Method, std::string_view>, 3> kMethodNames{{
     {Method::kRma, "rma"},
     {Method::kNma, "nma"},
+    {Method::kIndexed, "indexed"},
 }};
 
 }  // namespace

@@ -15,6 +15,7 @@ namespace cornerfix {
 /// Where hypotheses come from. Names on the wire: to_string().
 enum class Method {
   kRma,  ///< The paper's random match.
+  kIndexed,
   kNma,  ///< The paper's naive match: every local against every global descriptor.
 };
 

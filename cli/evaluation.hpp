@@ -1,0 +1,82 @@
+/// \file  Scores the localizer on a recorded drive: one part makes the map, from many places of the
+/// rest a robot is switched on. In process and on all cores; the rules and the names of the figures
+/// are those of the HTTP replay.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <cornerfix/localizer.hpp>
+#include <cornerfix/mapper.hpp>
+
+#include "cli/log_reader.hpp"
+
+namespace cornerfix::cli {
+
+struct EvaluationOptions {
+  double split = 0.5;  ///< Share of the log that maps; ignored with a map log.
+  std::size_t starts = 100;
+  double near_m = 1.5;    ///< A start this near to a mapping pose lies in the mapped part.
+  double way_m = 20.0;    ///< Driving allowed until the fix.
+  double time_s = 180.0;  ///< Log time allowed (the paper's limit).
+  double track_m = 5.0;   ///< Driven on after the fix.
+  std::size_t batch = 5;  ///< Scans a question.
+  bool use_odometry = true;
+  std::size_t threads = 1;
+  MapperParams mapper;
+  LocalizerParams localizer;
+};
+
+enum class Verdict { kFixed, kFalse, kNone };
+
+/// What happened to one robot.
+struct StartRecord {
+  std::size_t start = 0;  ///< Index of the first scan in the log.
+  double near_m = 0.0;    ///< From the nearest mapping pose.
+  Verdict verdict = Verdict::kNone;
+  double driven_m = 0.0;
+  std::optional<double> way_m;    ///< Until the fix.
+  std::optional<double> seconds;  ///< Until the fix.
+  double confidence = 0.0;        ///< At the fix.
+  double error_m = 0.0;           ///< At the fix.
+  double error_rad = 0.0;
+  Pose2 pose;  ///< Of the laser, at the fix, as answered and as it was.
+  Pose2 truth;
+  std::size_t scans = 0;
+  std::size_t right_after = 0;  ///< Judged answers after the fix.
+  std::size_t wrong_after = 0;
+  std::vector<double> searching_ms;  ///< A scan, until the fix.
+  std::vector<double> tracking_ms;   ///< A scan, after it.
+};
+
+struct Evaluation {
+  std::size_t map_scans = 0;
+  double map_seconds = 0.0;
+  std::size_t features = 0;
+  std::vector<StartRecord> records;
+};
+
+/// The map of the first part of a log (or of all of a log of its own), as a server would make it.
+[[nodiscard]] LocalizationMapPtr make_map(const RecordedLog& log, std::size_t end,
+                                          const MapperParams& params);
+
+/// Scans before the split; all of them for a map log.
+[[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
+
+/// Asks `log` from `begin` on in `maps`; a fix in another map than `maps[right_map]` is false,
+/// whatever its pose. \param mapping_positions  Where the right map was made from. \param progress
+/// Called with starts done and all starts, from any thread, one at a time.
+[[nodiscard]] std::vector<StartRecord> evaluate(
+    const RecordedLog& log, std::size_t begin, const std::vector<LocalizationMapPtr>& maps,
+    std::size_t right_map, const std::vector<Point2>& mapping_positions,
+    const EvaluationOptions& options,
+    const std::function<void(std::size_t, std::size_t)>& progress);
+
+/// The figures of the replay tool, by its names.
+[[nodiscard]] std::string summary_json(const std::string& log_name, const Evaluation& evaluation,
+                                       const EvaluationOptions& options);
+
+}  // namespace cornerfix::cli
