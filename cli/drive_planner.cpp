@@ -23,12 +23,15 @@ constexpr int kGoalCandidates = 5;          ///< The nearest of these is driven 
 constexpr int kSmoothingRounds = 30;
 constexpr double kTangentReach = 0.3;  ///< [m] ahead and behind, which the heading is taken over.
 
-/// How far a point is from all that is not free, in every map.
+/// How far a point is from all that is not free, in every map. The way is planned in the frame
+/// `grid` of the first, so that it does not depend on where that lies.
 class FreeSpace {
  public:
   explicit FreeSpace(std::span<const OccupancyGrid* const> maps) {
+    const Pose2 T_grid_map = inverse(maps.front()->T_map_grid);
     for (const OccupancyGrid* map : maps) {
       OccupancyGrid blocked = *map;
+      blocked.T_map_grid = map == maps.front() ? Pose2{} : T_grid_map * map->T_map_grid;
       for (Cell& cell : blocked.cells) {
         if (cell != Cell::kFree) cell = Cell::kOccupied;
       }
@@ -36,10 +39,10 @@ class FreeSpace {
     }
   }
 
-  [[nodiscard]] double clearance(const Point2& point_map) const {
+  [[nodiscard]] double clearance(const Point2& point_grid) const {
     double clearance = std::numeric_limits<double>::infinity();
     for (const RayCaster& caster : casters_) {
-      clearance = std::min(clearance, caster.clearance(point_map));
+      clearance = std::min(clearance, caster.clearance(point_grid));
     }
     return clearance;
   }
@@ -58,8 +61,7 @@ struct Edge {
 class Lattice {
  public:
   Lattice(const OccupancyGrid& map, const FreeSpace& space, double clearance_m)
-      : T_map_grid_(map.T_map_grid),
-        spacing_(std::max(1.0, std::round(kLatticeSpacing / map.resolution)) * map.resolution),
+      : spacing_(std::max(1.0, std::round(kLatticeSpacing / map.resolution)) * map.resolution),
         width_(static_cast<int>(map.width * map.resolution / spacing_)),
         height_(static_cast<int>(map.height * map.resolution / spacing_)) {
     clearance_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
@@ -72,9 +74,9 @@ class Lattice {
   [[nodiscard]] int size() const { return width_ * height_; }
   [[nodiscard]] bool is_free(int node) const { return clearance(node) > 0.0; }
 
+  /// In `grid`.
   [[nodiscard]] Point2 point(int node) const {
-    const Point2 point_grid{(node % width_ + 0.5) * spacing_, (node / width_ + 0.5) * spacing_};
-    return T_map_grid_ * point_grid;
+    return {(node % width_ + 0.5) * spacing_, (node / width_ + 0.5) * spacing_};
   }
 
   void neighbors(int node, std::vector<Edge>& out) const {
@@ -97,7 +99,6 @@ class Lattice {
     return clearance_[static_cast<std::size_t>(node)];
   }
 
-  Pose2 T_map_grid_;
   double spacing_;
   int width_;
   int height_;
@@ -315,6 +316,7 @@ Result<std::vector<Pose2>> plan_drive(std::span<const OccupancyGrid* const> maps
     driven += leg.length();
     at = goal;
   }
+  for (Pose2& pose : poses) pose = maps.front()->T_map_grid * pose;
   return poses;
 }
 

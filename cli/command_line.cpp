@@ -1,0 +1,25 @@
+#include "cli/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "cli/command.hpp"
+
+namespace cornerfix::cli {
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app("Cornerfix tells a robot with a 2D lidar where it is in a known building.");
+  app.name("cornerfix");
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  app.footer("Exit codes: 0 done, 1 it could not, 2 wrong use.");
+  int exit_code = kDone;
+  add_simulate_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kWrongUse;  // --help comes here too.
+  }
+  return exit_code;
+}
+
+}  // namespace cornerfix::cli
