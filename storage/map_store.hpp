@@ -26,7 +26,7 @@ struct MapInfo {
   std::int64_t id = 0;
   std::string name;
   std::string description;
-  std::uint64_t revision = 0;  ///< Grows by one with every change.
+  std::uint64_t revision = 0;  ///< From 1 on; grows by one with every change of content or lidar.
   std::string digest;  ///< Hex SHA-256 of the content: key frames (or grid), parameters; not of
                        ///< names and dates.
   std::size_t key_frame_count = 0;
@@ -76,10 +76,13 @@ class MapStore {
   [[nodiscard]] Result<std::vector<bool>> known_stamps(std::int64_t map_id,
                                                        std::span<const double> stamps);
   /// Adds to the map if it is still at `expected_revision` (else kConflict); returns the new entry.
+  /// A stamp that the map already holds is kConflict too. Stamps without a key frame change no
+  /// content, so the revision stays.
   [[nodiscard]] Result<MapInfo> grow(std::int64_t map_id, std::uint64_t expected_revision,
                                      const MapGrowth& growth, std::string_view now);
   [[nodiscard]] Result<std::vector<PosedScan>> key_frames(std::int64_t map_id);
-  /// New poses for all key frames, in their order; derived content becomes stale.
+  /// New poses for all key frames, in their order; derived content becomes stale and the bounds are
+  /// those of the moved lasers and their returns. The revision stays when no pose differs.
   [[nodiscard]] Result<MapInfo> move_key_frames(std::int64_t map_id,
                                                 std::uint64_t expected_revision,
                                                 std::span<const Pose2> T_map_base_link,
@@ -88,8 +91,8 @@ class MapStore {
   /// Derived content of the map if it is stored (of whatever revision); the caller compares
   /// revisions.
   [[nodiscard]] Result<std::optional<StoredContent>> content(std::int64_t map_id);
-  /// Stores derived content made from `revision`; ignored (no error) when the map has moved on.
-  /// Does not change the revision; updates feature_count.
+  /// Stores derived content made from `revision`; ignored (no error) when the map has moved on or
+  /// is gone. Does not change the revision; updates feature_count.
   [[nodiscard]] Result<void> store_content(std::int64_t map_id, std::uint64_t revision,
                                            const MapContent& content);
 

@@ -1,0 +1,435 @@
+#include "storage/blob_codec.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <concepts>
+#include <cstring>
+#include <limits>
+#include <string>
+
+namespace cornerfix::storage {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+constexpr std::size_t kHeaderSize = 2;  // Version, kind.
+constexpr std::size_t kChecksumSize = 4;
+constexpr std::size_t kFeatureSize = 44;
+constexpr std::size_t kDescriptorEntrySize = 8;
+constexpr std::size_t kSubmapScanKeySize = 12;
+// What deflate can expand to at most (zlib's technical notes), so that a small BLOB cannot claim a
+// huge grid.
+constexpr std::uint64_t kMaxInflation = 1032;
+
+// The values are stored: never renumber them.
+enum class Kind : std::uint8_t {
+  kKeyFrame = 1,
+  kFeatures = 2,
+  kDescriptors = 3,
+  kGrid = 4,
+  kSubmapScan = 5,
+  kLocalizerState = 6,
+};
+
+template <std::unsigned_integral T>
+void store_little_endian(std::uint8_t* to, T value) {
+  auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+  std::memcpy(to, bytes.data(), sizeof(T));
+}
+
+template <std::unsigned_integral T>
+T load_little_endian(const std::uint8_t* from) {
+  std::array<std::uint8_t, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), from, sizeof(T));
+  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+std::uint32_t crc_32(BlobView bytes) {
+  return static_cast<std::uint32_t>(::crc32_z(0, bytes.data(), bytes.size()));
+}
+
+/// Appends fields to a BLOB of one kind.
+class Writer {
+ public:
+  Writer(Kind kind, std::size_t payload_size) {
+    bytes_.reserve(kHeaderSize + payload_size + kChecksumSize);
+    integer(kVersion);
+    integer(static_cast<std::uint8_t>(kind));
+  }
+
+  template <std::unsigned_integral T>
+  void integer(T value) {
+    store_little_endian(extend(sizeof(T)), value);
+  }
+  void signed_integer(int value) { integer(static_cast<std::uint32_t>(value)); }
+  void real(double value) { integer(std::bit_cast<std::uint64_t>(value)); }
+  void count(std::size_t value) {
+    assert(value <= std::numeric_limits<std::uint32_t>::max() && "too many items for a BLOB");
+    integer(static_cast<std::uint32_t>(value));
+  }
+  void pose(const Pose2& pose) {
+    for (const double value : {pose.x, pose.y, pose.yaw}) real(value);
+  }
+  void scan(const LaserScan& scan) {
+    for (const double value :
+         {scan.stamp, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max}) {
+      real(value);
+    }
+    count(scan.ranges.size());
+    std::uint8_t* to = extend(scan.ranges.size() * sizeof(float));
+    for (const float range : scan.ranges) {
+      store_little_endian(to, std::bit_cast<std::uint32_t>(range));
+      to += sizeof(float);
+    }
+  }
+  /// Room for `size` bytes, for the caller to fill.
+  std::uint8_t* extend(std::size_t size) {
+    bytes_.resize(bytes_.size() + size);
+    return bytes_.data() + bytes_.size() - size;
+  }
+  Blob finish() && {
+    integer(crc_32(bytes_));
+    return std::move(bytes_);
+  }
+
+ private:
+  Blob bytes_;
+};
+
+/// Takes fields from a BLOB. Once one is missing all later ones are zero and finished() is false,
+/// so that decoding needs one test at its end.
+class Reader {
+ public:
+  explicit Reader(BlobView payload) : rest_(payload) {}
+
+  template <std::unsigned_integral T>
+  T integer() {
+    const BlobView field = bytes(sizeof(T));
+    return field.empty() ? T{0} : load_little_endian<T>(field.data());
+  }
+  int signed_integer() { return static_cast<int>(integer<std::uint32_t>()); }
+  double real() { return std::bit_cast<double>(integer<std::uint64_t>()); }
+  /// A number of items that follow; zero when fewer bytes than that are left.
+  std::size_t count(std::size_t item_size) {
+    const std::size_t value = integer<std::uint32_t>();
+    if (value <= rest_.size() / item_size) return value;
+    complete_ = false;
+    return 0;
+  }
+  Pose2 pose() {
+    const double x = real();
+    const double y = real();
+    const double yaw = real();
+    return {x, y, yaw};
+  }
+  LaserScan scan() {
+    LaserScan scan;
+    for (double* field :
+         {&scan.stamp, &scan.angle_min, &scan.angle_increment, &scan.range_min, &scan.range_max}) {
+      *field = real();
+    }
+    scan.ranges.resize(count(sizeof(float)));
+    const BlobView ranges = bytes(scan.ranges.size() * sizeof(float));
+    for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+      scan.ranges[beam] = std::bit_cast<float>(
+          load_little_endian<std::uint32_t>(ranges.data() + beam * sizeof(float)));
+    }
+    return scan;
+  }
+  BlobView bytes(std::size_t size) {
+    if (!complete_ || size > rest_.size()) {
+      complete_ = false;
+      return {};
+    }
+    const BlobView taken = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return taken;
+  }
+  BlobView rest() { return bytes(rest_.size()); }
+  [[nodiscard]] bool finished() const { return complete_ && rest_.empty(); }
+
+ private:
+  BlobView rest_;
+  bool complete_ = true;
+};
+
+Error corrupt(std::string_view what, std::string_view why) {
+  return Error{ErrorCode::kCorruptData, std::string(what) + ": " + std::string(why), ""};
+}
+
+Error inconsistent(std::string_view what) { return corrupt(what, "fields contradict each other"); }
+
+/// The payload of `blob` if its version, kind and checksum are right.
+Result<Reader> open_blob(Kind kind, std::string_view what, BlobView blob) {
+  if (blob.size() < kHeaderSize + kChecksumSize) return corrupt(what, "cut short");
+  if (blob[0] != kVersion) {
+    return corrupt(what,
+                   "version " + std::to_string(blob[0]) + ", expected " + std::to_string(kVersion));
+  }
+  if (blob[1] != static_cast<std::uint8_t>(kind)) return corrupt(what, "bytes of another kind");
+  const BlobView content = blob.first(blob.size() - kChecksumSize);
+  if (crc_32(content) != checksum_of(blob)) return corrupt(what, "wrong checksum");
+  return Reader(content.subspan(kHeaderSize));
+}
+
+constexpr std::size_t scan_size(const LaserScan& scan) {
+  constexpr std::size_t kFixedSize = 5 * sizeof(double) + 2 * 3 * sizeof(double) + 4;
+  return kFixedSize + scan.ranges.size() * sizeof(float);
+}
+
+bool is_consistent(const DescriptorSet& set) {
+  if (set.offsets.empty()) return set.entries.empty();
+  const bool covers_entries = set.offsets.front() == 0 &&
+                              set.offsets.back() == set.entries.size() &&
+                              std::is_sorted(set.offsets.begin(), set.offsets.end());
+  return covers_entries &&
+         std::all_of(set.entries.begin(), set.entries.end(),
+                     [&](const DescriptorEntry& entry) { return entry.feature < set.size(); });
+}
+
+/// The cells of a `width` x `height` grid, or nothing when `deflated` does not hold just these.
+std::optional<std::vector<Cell>> inflate_cells(BlobView deflated, int width, int height) {
+  if (width < 0 || height < 0) return std::nullopt;
+  const std::uint64_t size = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (size > deflated.size() * kMaxInflation) return std::nullopt;
+  std::vector<Cell> cells(size);
+  uLongf inflated_size = size;
+  uLong consumed_size = deflated.size();
+  const int status = ::uncompress2(reinterpret_cast<Bytef*>(cells.data()), &inflated_size,
+                                   deflated.data(), &consumed_size);
+  const bool exact = inflated_size == size && consumed_size == deflated.size();
+  if (status != Z_OK || !exact) return std::nullopt;
+  const bool known =
+      std::all_of(cells.begin(), cells.end(), [](Cell cell) { return cell <= Cell::kUnknown; });
+  return known ? std::optional(std::move(cells)) : std::nullopt;
+}
+
+void put_optional_stamp(Writer& writer, const std::optional<double>& stamp) {
+  writer.integer(static_cast<std::uint8_t>(stamp.has_value()));
+  writer.real(stamp.value_or(0.0));
+}
+
+std::optional<double> take_optional_stamp(Reader& reader) {
+  const bool present = reader.integer<std::uint8_t>() != 0;
+  const double stamp = reader.real();
+  return present ? std::optional(stamp) : std::nullopt;
+}
+
+void put_optional_pose(Writer& writer, const std::optional<Pose2>& pose) {
+  writer.integer(static_cast<std::uint8_t>(pose.has_value()));
+  writer.pose(pose.value_or(Pose2{}));
+}
+
+std::optional<Pose2> take_optional_pose(Reader& reader) {
+  const bool present = reader.integer<std::uint8_t>() != 0;
+  const Pose2 pose = reader.pose();
+  return present ? std::optional(pose) : std::nullopt;
+}
+
+}  // namespace
+
+std::uint32_t checksum_of(BlobView blob) {
+  assert(blob.size() >= kHeaderSize + kChecksumSize && "not a BLOB of this codec");
+  return load_little_endian<std::uint32_t>(blob.last(kChecksumSize).data());
+}
+
+Blob encode_key_frame(const PosedScan& key_frame) {
+  Writer writer(Kind::kKeyFrame, scan_size(key_frame.scan));
+  writer.pose(key_frame.T_map_base_link);
+  writer.pose(key_frame.T_base_link_laser);
+  writer.scan(key_frame.scan);
+  return std::move(writer).finish();
+}
+
+Result<PosedScan> decode_key_frame(BlobView blob) {
+  Result<Reader> reader = open_blob(Kind::kKeyFrame, "key frame", blob);
+  if (!reader) return reader.error();
+  PosedScan key_frame;
+  key_frame.T_map_base_link = reader->pose();
+  key_frame.T_base_link_laser = reader->pose();
+  key_frame.scan = reader->scan();
+  if (!reader->finished()) return inconsistent("key frame");
+  return key_frame;
+}
+
+Blob encode_features(std::span<const Feature> features) {
+  Writer writer(Kind::kFeatures, 4 + features.size() * kFeatureSize);
+  writer.count(features.size());
+  for (const Feature& feature : features) {
+    for (const double value : {feature.position.x(), feature.position.y(), feature.turn_angle,
+                               feature.bisector, feature.weight}) {
+      writer.real(value);
+    }
+    writer.signed_integer(feature.count);
+  }
+  return std::move(writer).finish();
+}
+
+Result<std::vector<Feature>> decode_features(BlobView blob) {
+  Result<Reader> reader = open_blob(Kind::kFeatures, "features", blob);
+  if (!reader) return reader.error();
+  std::vector<Feature> features(reader->count(kFeatureSize));
+  for (Feature& feature : features) {
+    for (double* field : {&feature.position.x(), &feature.position.y(), &feature.turn_angle,
+                          &feature.bisector, &feature.weight}) {
+      *field = reader->real();
+    }
+    feature.count = reader->signed_integer();
+  }
+  if (!reader->finished()) return inconsistent("features");
+  return features;
+}
+
+Blob encode_descriptors(const DescriptorSet& descriptors) {
+  Writer writer(Kind::kDescriptors, 3 * sizeof(double) + 8 + descriptors.offsets.size() * 4 +
+                                        descriptors.entries.size() * kDescriptorEntrySize);
+  const DescriptorParams& params = descriptors.params;
+  for (const double value :
+       {params.distance_resolution_m, params.angle_resolution_rad, params.max_distance_m}) {
+    writer.real(value);
+  }
+  writer.count(descriptors.offsets.size());
+  for (const std::uint32_t offset : descriptors.offsets) writer.integer(offset);
+  writer.count(descriptors.entries.size());
+  for (const DescriptorEntry& entry : descriptors.entries) {
+    std::uint8_t* to = writer.extend(kDescriptorEntrySize);
+    store_little_endian(to, entry.distance_bin);
+    store_little_endian(to + 2, entry.angle_bin);
+    store_little_endian(to + 4, entry.feature);
+  }
+  return std::move(writer).finish();
+}
+
+Result<DescriptorSet> decode_descriptors(BlobView blob) {
+  Result<Reader> reader = open_blob(Kind::kDescriptors, "descriptors", blob);
+  if (!reader) return reader.error();
+  DescriptorSet set;
+  for (double* field : {&set.params.distance_resolution_m, &set.params.angle_resolution_rad,
+                        &set.params.max_distance_m}) {
+    *field = reader->real();
+  }
+  set.offsets.resize(reader->count(sizeof(std::uint32_t)));
+  for (std::uint32_t& offset : set.offsets) offset = reader->integer<std::uint32_t>();
+  set.entries.resize(reader->count(kDescriptorEntrySize));
+  const BlobView entries = reader->bytes(set.entries.size() * kDescriptorEntrySize);
+  for (std::size_t i = 0; i < set.entries.size(); ++i) {
+    const std::uint8_t* from = entries.data() + i * kDescriptorEntrySize;
+    set.entries[i] = {load_little_endian<std::uint16_t>(from),
+                      load_little_endian<std::uint16_t>(from + 2),
+                      load_little_endian<std::uint32_t>(from + 4)};
+  }
+  if (!reader->finished() || !is_consistent(set)) return inconsistent("descriptors");
+  return set;
+}
+
+Blob encode_grid(const OccupancyGrid& grid) {
+  assert(grid.cells.size() ==
+             static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height) &&
+         "a grid holds width * height cells");
+  uLongf deflated_size = ::compressBound(grid.cells.size());
+  Blob deflated(deflated_size);
+  // Fast: floor plans shrink to a few percent anyway.
+  const int status = ::compress2(deflated.data(), &deflated_size,
+                                 reinterpret_cast<const Bytef*>(grid.cells.data()),
+                                 grid.cells.size(), Z_BEST_SPEED);
+  if (status != Z_OK) throw std::bad_alloc();  // The only way left for zlib to fail.
+
+  Writer writer(Kind::kGrid, 4 * sizeof(double) + 8 + deflated_size);
+  writer.real(grid.resolution);
+  writer.pose(grid.T_map_grid);
+  writer.signed_integer(grid.width);
+  writer.signed_integer(grid.height);
+  std::copy_n(deflated.data(), deflated_size, writer.extend(deflated_size));
+  return std::move(writer).finish();
+}
+
+Result<OccupancyGrid> decode_grid(BlobView blob) {
+  Result<Reader> reader = open_blob(Kind::kGrid, "grid", blob);
+  if (!reader) return reader.error();
+  OccupancyGrid grid;
+  grid.resolution = reader->real();
+  grid.T_map_grid = reader->pose();
+  grid.width = reader->signed_integer();
+  grid.height = reader->signed_integer();
+  std::optional<std::vector<Cell>> cells = inflate_cells(reader->rest(), grid.width, grid.height);
+  if (!reader->finished() || !cells) return inconsistent("grid");
+  grid.cells = std::move(*cells);
+  return grid;
+}
+
+Blob encode_submap_scan(const SubmapScan& scan) {
+  Writer writer(Kind::kSubmapScan, sizeof(std::uint64_t) + scan_size(scan.scan));
+  writer.integer(scan.index);
+  writer.pose(scan.T_submap_base_link);
+  writer.pose(scan.T_base_link_laser);
+  writer.scan(scan.scan);
+  return std::move(writer).finish();
+}
+
+Result<SubmapScan> decode_submap_scan(BlobView blob) {
+  Result<Reader> reader = open_blob(Kind::kSubmapScan, "submap scan", blob);
+  if (!reader) return reader.error();
+  SubmapScan scan;
+  scan.index = reader->integer<std::uint64_t>();
+  scan.T_submap_base_link = reader->pose();
+  scan.T_base_link_laser = reader->pose();
+  scan.scan = reader->scan();
+  if (!reader->finished()) return inconsistent("submap scan");
+  return scan;
+}
+
+Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
+  constexpr std::size_t kFixedSize = 200;
+  Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
+  writer.integer(state.next_index);
+  writer.integer(state.scans);
+  writer.pose(state.T_submap_base_link);
+  writer.pose(state.last_motion);
+  writer.real(state.way_m);
+  put_optional_stamp(writer, state.last_stamp);
+  put_optional_pose(writer, state.last_T_odom_base_link);
+  writer.integer(static_cast<std::uint8_t>(state.status));
+  writer.signed_integer(state.tracked_map);
+  writer.pose(state.T_map_submap);
+  writer.signed_integer(state.misfits);
+  writer.count(submap.size());
+  for (const SubmapScanKey& key : submap) {
+    writer.integer(key.index);
+    writer.integer(key.checksum);
+  }
+  return std::move(writer).finish();
+}
+
+Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
+  Result<Reader> reader = open_blob(Kind::kLocalizerState, "localizer state", blob);
+  if (!reader) return reader.error();
+  LocalizerStateOutline outline;
+  LocalizerState& state = outline.state;
+  state.next_index = reader->integer<std::uint64_t>();
+  state.scans = reader->integer<std::uint64_t>();
+  state.T_submap_base_link = reader->pose();
+  state.last_motion = reader->pose();
+  state.way_m = reader->real();
+  state.last_stamp = take_optional_stamp(*reader);
+  state.last_T_odom_base_link = take_optional_pose(*reader);
+  const std::uint8_t status = reader->integer<std::uint8_t>();
+  state.status = static_cast<Status>(status);
+  state.tracked_map = reader->signed_integer();
+  state.T_map_submap = reader->pose();
+  state.misfits = reader->signed_integer();
+  outline.submap.resize(reader->count(kSubmapScanKeySize));
+  for (SubmapScanKey& key : outline.submap) {
+    key.index = reader->integer<std::uint64_t>();
+    key.checksum = reader->integer<std::uint32_t>();
+  }
+  const bool known_status = status <= static_cast<std::uint8_t>(Status::kLost);
+  if (!reader->finished() || !known_status) return inconsistent("localizer state");
+  return outline;
+}
+
+}  // namespace cornerfix::storage

@@ -1,0 +1,209 @@
+#include "storage/database.hpp"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Statement.h>
+#include <sqlite3.h>
+
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "storage/schema.hpp"
+
+namespace cornerfix::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+ErrorCode code_of(const SQLite::Exception& exception) {
+  switch (exception.getExtendedErrorCode()) {
+    case SQLITE_IOERR_SHMSIZE:  // How a full disk shows when the WAL's index cannot grow.
+      return ErrorCode::kStorageFull;
+    case SQLITE_CONSTRAINT_PRIMARYKEY:
+    case SQLITE_CONSTRAINT_UNIQUE:
+      return ErrorCode::kConflict;
+    default:
+      break;
+  }
+  switch (exception.getErrorCode()) {
+    case SQLITE_FULL:
+      return ErrorCode::kStorageFull;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return ErrorCode::kCorruptData;
+    case SQLITE_TOOBIG:
+      return ErrorCode::kTooLarge;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_CANTOPEN:
+    case SQLITE_IOERR:
+    case SQLITE_PERM:
+    case SQLITE_READONLY:
+      return ErrorCode::kUnavailable;
+    default:
+      return ErrorCode::kInternal;
+  }
+}
+
+/// The same file, with a suffix of SQLite's companions.
+fs::path companion(const fs::path& path, const char* suffix) {
+  fs::path name = path;
+  name += suffix;
+  return name;
+}
+
+/// Whether a write may be going on, or was broken off: the file alone does not tell its content.
+bool has_companions(const fs::path& path) {
+  return fs::exists(companion(path, "-wal")) || fs::exists(companion(path, "-journal"));
+}
+
+/// An SQLite URI that opens the file without locks, companions or a write of any kind.
+std::string immutable_uri(const fs::path& path) {
+  std::string uri = "file:";
+  for (const char c : path.string()) {
+    if (c == '%') {
+      uri += "%25";
+    } else if (c == '?') {
+      uri += "%3f";
+    } else if (c == '#') {
+      uri += "%23";
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
+Result<void> check_owner(SQLite::Database& connection) {
+  const std::int64_t owner = connection.execAndGet("PRAGMA application_id").getInt64();
+  if (owner == kApplicationId) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               "the file is not a Cornerfix database: its application_id is " +
+                   std::to_string(owner) + ", expected " + std::to_string(kApplicationId),
+               ""};
+}
+
+Result<void> check_content(SQLite::Database& connection) {
+  Result<void> known = check_schema_version(user_version(connection), schema_version());
+  if (!known) return known;
+  const std::string found = connection.execAndGet("PRAGMA quick_check(1)").getString();
+  if (found == "ok") return {};
+  return Error{ErrorCode::kCorruptData, "the database is damaged: " + found, ""};
+}
+
+/// Checks a file that has companions, through them, without ever merging them into it.
+Result<void> check_with_companions(const fs::path& path, bool alone, int busy_timeout_ms) {
+  return guarded([&]() -> Result<void> {
+    SQLite::Database connection(path.string(), SQLite::OPEN_READWRITE, busy_timeout_ms);
+    sqlite3_db_config(connection.getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    // Alone, SQLite keeps the WAL's index in memory instead of a new -shm file.
+    if (alone) connection.exec("PRAGMA locking_mode = EXCLUSIVE");
+    return check_content(connection);
+  });
+}
+
+/// Nothing when `path` may be opened for writing. Changes neither the file nor its directory.
+Result<void> check_file(const fs::path& path, int busy_timeout_ms) {
+  if (!fs::exists(path) || (fs::is_regular_file(path) && fs::file_size(path) == 0)) return {};
+
+  SQLite::Database connection(immutable_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  if (Result<void> ours = check_owner(connection); !ours) return ours;
+  if (!has_companions(path)) {
+    Result<void> sound = guarded([&] { return check_content(connection); });
+    // A process that opened the file since may have written while we read.
+    if (sound || !has_companions(path)) return sound;
+  }
+  Result<void> sound = check_with_companions(path, true, 0);
+  const bool is_open_elsewhere = !sound && sound.error().code == ErrorCode::kUnavailable;
+  return is_open_elsewhere ? check_with_companions(path, false, busy_timeout_ms) : sound;
+}
+
+Error at_path(Error error, const fs::path& path) {
+  error.field = path.string();
+  return error;
+}
+
+}  // namespace
+
+Error current_error() {
+  try {
+    throw;
+  } catch (const SQLite::Exception& exception) {
+    return Error{code_of(exception), std::string("database: ") + exception.what(), ""};
+  } catch (const std::exception& exception) {
+    return Error{ErrorCode::kInternal, std::string("storage: ") + exception.what(), ""};
+  }
+}
+
+Database::Database(fs::path path, Synchronous synchronous, int busy_timeout_ms)
+    : path_(std::move(path)),
+      busy_timeout_ms_(busy_timeout_ms),
+      connection_(std::make_unique<SQLite::Database>(
+          path_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE | SQLite::OPEN_NOMUTEX,
+          busy_timeout_ms)) {
+  connection_->exec("PRAGMA foreign_keys = ON");
+  connection_->exec(synchronous == Synchronous::kFull ? "PRAGMA synchronous = FULL"
+                                                      : "PRAGMA synchronous = NORMAL");
+}
+
+Database::~Database() = default;
+
+Result<std::shared_ptr<Database>> Database::open(const fs::path& path, Synchronous synchronous,
+                                                 int busy_timeout_ms) {
+  auto opened = guarded([&]() -> Result<std::shared_ptr<Database>> {
+    // Absolute, so that no name (":memory:", "file:…") means anything but a file.
+    const fs::path file = fs::absolute(path).lexically_normal();
+    if (Result<void> sound = check_file(file, busy_timeout_ms); !sound) return sound.error();
+    std::shared_ptr<Database> database(new Database(file, synchronous, busy_timeout_ms));
+    // Before WAL, so that the file itself says from its first byte on whose it is.
+    if (Result<void> done = migrate(database->connection(), migrations()); !done) {
+      return done.error();
+    }
+    const std::string mode =
+        database->connection().execAndGet("PRAGMA journal_mode = WAL").getString();
+    if (mode != "wal") {
+      return Error{ErrorCode::kUnavailable, "this file system cannot hold a WAL database", ""};
+    }
+    return database;
+  });
+  if (!opened) return at_path(opened.error(), path);
+  return opened;
+}
+
+Result<std::shared_ptr<Database>> Database::open_another(Synchronous synchronous) const {
+  auto opened = guarded([&]() -> Result<std::shared_ptr<Database>> {
+    return std::shared_ptr<Database>(new Database(path_, synchronous, busy_timeout_ms_));
+  });
+  if (!opened) return at_path(opened.error(), path_);
+  return opened;
+}
+
+Result<std::int64_t> Database::data_version() {
+  return guarded([&]() -> Result<std::int64_t> {
+    SQLite::Statement& statement = prepared("PRAGMA data_version");
+    statement.executeStep();
+    const std::int64_t version = statement.getColumn(0).getInt64();
+    statement.reset();
+    return version;
+  });
+}
+
+Result<void> Database::probe() {
+  return guarded([&]() -> Result<void> {
+    const std::int64_t found = user_version(*connection_);
+    if (found == schema_version()) return {};
+    return Error{ErrorCode::kUnavailable,
+                 "the database has been migrated to schema " + std::to_string(found) +
+                     ", this program writes " + std::to_string(schema_version()),
+                 path_.string()};
+  });
+}
+
+SQLite::Statement& Database::prepared(std::string_view sql) {
+  if (const auto found = statements_.find(sql); found != statements_.end()) return *found->second;
+  auto statement = std::make_unique<SQLite::Statement>(*connection_, std::string(sql));
+  const std::string_view key = statement->getQuery();
+  return *statements_.emplace(key, std::move(statement)).first->second;
+}
+
+}  // namespace cornerfix::storage

@@ -1,0 +1,24 @@
+/// \file  The SHA-256 of a map's content: the same content has the same digest in any database.
+///
+/// Key frames are hashed in a chain, so that a map that grows is not read again from its start.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "storage/blob_codec.hpp"
+
+namespace cornerfix::storage {
+
+/// SHA-256 over a map's key frames in order; of none: all zero.
+using KeyFrameChain = std::array<std::uint8_t, 32>;
+
+/// The chain with one more key frame, given as the BLOB of encode_key_frame().
+[[nodiscard]] KeyFrameChain extend(const KeyFrameChain& chain, BlobView key_frame);
+
+/// Hex digest of a map with these parameters (hashed as they are spelled) and key frames.
+[[nodiscard]] std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain);
+
+}  // namespace cornerfix::storage

@@ -1,0 +1,381 @@
+#include "storage/map_store.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <utility>
+
+#include "storage/blob_codec.hpp"
+#include "storage/database.hpp"
+#include "storage/digest.hpp"
+#include "storage/statement.hpp"
+
+namespace cornerfix::storage {
+namespace {
+
+/// A map's row: its entry and what only this module needs.
+struct MapRow {
+  MapInfo info;
+  KeyFrameChain chain{};
+};
+
+const std::string kSelectMap =
+    "SELECT id, name, description, revision, digest, key_frame_count, feature_count, min_x, min_y, "
+    "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain FROM maps ";
+
+void read_bounds(const Statement& row, MapInfo& info) {
+  info.has_bounds = !row.is_null(7);
+  info.min_x = row.real(7);
+  info.min_y = row.real(8);
+  info.max_x = row.real(9);
+  info.max_y = row.real(10);
+}
+
+MapRow read_map(const Statement& row) {
+  MapRow map;
+  map.info.id = row.integer(0);
+  map.info.name = row.text(1);
+  map.info.description = row.text(2);
+  map.info.revision = row.number(3);
+  map.info.digest = row.text(4);
+  map.info.key_frame_count = row.number(5);
+  map.info.feature_count = row.number(6);
+  read_bounds(row, map.info);
+  map.info.created = row.text(11);
+  map.info.updated = row.text(12);
+  map.info.lidar_json = row.text(13);
+  map.info.parameters_json = row.text(14);
+  const BlobView chain = row.blob(15);
+  std::copy_n(chain.begin(), std::min(chain.size(), map.chain.size()), map.chain.begin());
+  return map;
+}
+
+std::optional<MapRow> find_map(Database& database, std::string_view name) {
+  static const std::string kSql = kSelectMap + "WHERE name = ?";
+  Statement statement(database, kSql);
+  if (!statement.bind(name).step()) return std::nullopt;
+  return read_map(statement);
+}
+
+std::optional<MapRow> find_map(Database& database, std::int64_t id) {
+  static const std::string kSql = kSelectMap + "WHERE id = ?";
+  Statement statement(database, kSql);
+  if (!statement.bind(id).step()) return std::nullopt;
+  return read_map(statement);
+}
+
+Error unknown_map(std::string_view name) {
+  return Error{ErrorCode::kNotFound, "there is no map named '" + std::string(name) + "'", "map"};
+}
+
+Error deleted_map() { return Error{ErrorCode::kNotFound, "the map has been deleted", "map"}; }
+
+/// The map if it is still at `revision`.
+Result<MapRow> find_at_revision(Database& database, std::int64_t id, std::uint64_t revision) {
+  std::optional<MapRow> map = find_map(database, id);
+  if (!map) return deleted_map();
+  if (map->info.revision != revision) {
+    return Error{ErrorCode::kConflict,
+                 "the map is at revision " + std::to_string(map->info.revision) + ", expected " +
+                     std::to_string(revision),
+                 "revision"};
+  }
+  return std::move(*map);
+}
+
+void insert_map(Database& database, const MapRow& map) {
+  const MapInfo& info = map.info;
+  Statement(database,
+            "INSERT INTO maps (name, description, revision, digest, key_frame_chain, "
+            "key_frame_count, feature_count, created, updated, lidar_json, parameters_json) "
+            "VALUES (?, ?, ?, ?, ?, 0, 0, ?, ?, ?, ?)")
+      .bind(info.name, info.description, info.revision, info.digest, BlobView(map.chain),
+            info.created, info.updated, info.lidar_json, info.parameters_json)
+      .run();
+}
+
+void update_map(Database& database, const MapRow& map) {
+  const MapInfo& info = map.info;
+  const auto bound = [&](double value) {
+    return info.has_bounds ? std::optional(value) : std::nullopt;
+  };
+  Statement(database,
+            "UPDATE maps SET description = ?, revision = ?, digest = ?, key_frame_chain = ?, "
+            "key_frame_count = ?, feature_count = ?, min_x = ?, min_y = ?, max_x = ?, max_y = ?, "
+            "updated = ?, lidar_json = ?, parameters_json = ? WHERE id = ?")
+      .bind(info.description, info.revision, info.digest, BlobView(map.chain), info.key_frame_count,
+            info.feature_count, bound(info.min_x), bound(info.min_y), bound(info.max_x),
+            bound(info.max_y), info.updated, info.lidar_json, info.parameters_json, info.id)
+      .run();
+}
+
+/// Puts `value` in place of `stored`; false when that changes nothing or there is no value.
+bool replace(std::string& stored, std::optional<std::string_view> value) {
+  if (!value || stored == *value) return false;
+  stored = *value;
+  return true;
+}
+
+void insert_stamps(Database& database, std::int64_t map_id, std::span<const double> stamps) {
+  Statement statement(database, "INSERT INTO map_stamps (map_id, stamp) VALUES (?, ?)");
+  for (const double stamp : stamps) statement.bind(map_id, stamp).run();
+}
+
+/// Appends key frames to the table and to the row's count and chain.
+void append_key_frames(Database& database, MapRow& map, std::span<const PosedScan> key_frames) {
+  Statement statement(database, "INSERT INTO key_frames (map_id, ordinal, scan) VALUES (?, ?, ?)");
+  for (const PosedScan& key_frame : key_frames) {
+    const Blob blob = encode_key_frame(key_frame);
+    statement.bind(map.info.id, map.info.key_frame_count, BlobView(blob)).run();
+    map.chain = extend(map.chain, blob);
+    ++map.info.key_frame_count;
+  }
+}
+
+/// Writes all key frames anew, of which there are as many as before.
+void rewrite_key_frames(Database& database, MapRow& map, std::span<const PosedScan> key_frames) {
+  Statement statement(database, "UPDATE key_frames SET scan = ? WHERE map_id = ? AND ordinal = ?");
+  map.chain = {};
+  for (std::size_t ordinal = 0; ordinal < key_frames.size(); ++ordinal) {
+    const Blob blob = encode_key_frame(key_frames[ordinal]);
+    statement.bind(BlobView(blob), map.info.id, ordinal).run();
+    map.chain = extend(map.chain, blob);
+  }
+}
+
+/// Gives the map's changed content its new revision and digest.
+void seal_revision(MapRow& map) {
+  ++map.info.revision;
+  map.info.digest = map_digest(map.info.parameters_json, map.chain);
+}
+
+Result<std::vector<PosedScan>> read_key_frames(Database& database, const MapInfo& info) {
+  Statement statement(database, "SELECT scan FROM key_frames WHERE map_id = ? ORDER BY ordinal");
+  statement.bind(info.id);
+  std::vector<PosedScan> key_frames;
+  key_frames.reserve(info.key_frame_count);
+  while (statement.step()) {
+    Result<PosedScan> key_frame = decode_key_frame(statement.blob(0));
+    if (!key_frame) return key_frame.error();
+    key_frames.push_back(std::move(*key_frame));
+  }
+  if (key_frames.size() != info.key_frame_count) {
+    return Error{ErrorCode::kCorruptData,
+                 "the map has " + std::to_string(key_frames.size()) + " key frames, expected " +
+                     std::to_string(info.key_frame_count),
+                 ""};
+  }
+  return key_frames;
+}
+
+/// The box around all lasers and their returns.
+void set_bounds(MapInfo& info, std::span<const PosedScan> key_frames) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Point2 low(kInfinity, kInfinity);
+  Point2 high = -low;
+  const auto include = [&](const Point2& point_map) {
+    low = low.cwiseMin(point_map);
+    high = high.cwiseMax(point_map);
+  };
+  for (const PosedScan& key_frame : key_frames) {
+    const Pose2 T_map_laser = key_frame.T_map_base_link * key_frame.T_base_link_laser;
+    include(T_map_laser.translation());
+    for (const Point2& point_laser : returns_as_points(key_frame.scan)) {
+      include(T_map_laser * point_laser);
+    }
+  }
+  info.has_bounds = !key_frames.empty();
+  if (!info.has_bounds) return;
+  info.min_x = low.x();
+  info.min_y = low.y();
+  info.max_x = high.x();
+  info.max_y = high.y();
+}
+
+Result<MapContent> decode_content(BlobView features, BlobView descriptors, BlobView grid) {
+  Result<std::vector<Feature>> decoded_features = decode_features(features);
+  if (!decoded_features) return decoded_features.error();
+  Result<DescriptorSet> decoded_descriptors = decode_descriptors(descriptors);
+  if (!decoded_descriptors) return decoded_descriptors.error();
+  Result<OccupancyGrid> decoded_grid = decode_grid(grid);
+  if (!decoded_grid) return decoded_grid.error();
+  if (decoded_descriptors->size() != decoded_features->size()) {
+    return Error{ErrorCode::kCorruptData, "features and descriptors differ in number", ""};
+  }
+  return MapContent{std::move(*decoded_features), std::move(*decoded_descriptors),
+                    std::move(*decoded_grid)};
+}
+
+}  // namespace
+
+MapStore::MapStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}
+MapStore::~MapStore() = default;
+MapStore::MapStore(MapStore&&) noexcept = default;
+
+Result<std::vector<MapInfo>> MapStore::list(std::string_view after, std::size_t limit) {
+  return guarded([&]() -> Result<std::vector<MapInfo>> {
+    static const std::string kSql = kSelectMap + "WHERE name > ? ORDER BY name LIMIT ?";
+    // SQLite reads a limit above its largest integer as none.
+    Statement statement(*database_, kSql);
+    statement.bind(after, limit);
+    std::vector<MapInfo> maps;
+    while (statement.step()) maps.push_back(read_map(statement).info);
+    return maps;
+  });
+}
+
+Result<MapInfo> MapStore::find(std::string_view name) {
+  return guarded([&]() -> Result<MapInfo> {
+    std::optional<MapRow> map = find_map(*database_, name);
+    if (!map) return unknown_map(name);
+    return std::move(map->info);
+  });
+}
+
+Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view> description,
+                           std::optional<std::string_view> lidar_json,
+                           std::optional<std::string_view> parameters_json, std::string_view now) {
+  return guarded([&]() -> Result<bool> {
+    WriteTransaction transaction(*database_);
+    std::optional<MapRow> stored = find_map(*database_, name);
+    MapRow map = stored.value_or(MapRow{});
+    map.info.name = name;
+    const bool described = replace(map.info.description, description);
+    const bool other_lidar = replace(map.info.lidar_json, lidar_json);
+    const bool other_parameters = replace(map.info.parameters_json, parameters_json);
+    if (other_lidar || other_parameters || !stored) seal_revision(map);
+    if (!stored) {
+      map.info.created = map.info.updated = now;
+      insert_map(*database_, map);
+    } else if (described || other_lidar || other_parameters) {
+      map.info.updated = now;
+      update_map(*database_, map);
+    }
+    transaction.commit();
+    return !stored.has_value();
+  });
+}
+
+Result<void> MapStore::remove(std::string_view name) {
+  return guarded([&]() -> Result<void> {
+    WriteTransaction transaction(*database_);
+    const int removed = Statement(*database_, "DELETE FROM maps WHERE name = ?").bind(name).run();
+    transaction.commit();
+    if (removed == 0) return unknown_map(name);
+    return {};
+  });
+}
+
+Result<std::vector<bool>> MapStore::known_stamps(std::int64_t map_id,
+                                                 std::span<const double> stamps) {
+  return guarded([&]() -> Result<std::vector<bool>> {
+    ReadTransaction transaction(*database_);
+    Statement statement(*database_, "SELECT 1 FROM map_stamps WHERE map_id = ? AND stamp = ?");
+    std::vector<bool> known;
+    known.reserve(stamps.size());
+    for (const double stamp : stamps) known.push_back(statement.bind(map_id, stamp).step());
+    return known;
+  });
+}
+
+Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revision,
+                               const MapGrowth& growth, std::string_view now) {
+  return guarded([&]() -> Result<MapInfo> {
+    WriteTransaction transaction(*database_);
+    Result<MapRow> map = find_at_revision(*database_, map_id, expected_revision);
+    if (!map) return map.error();
+    insert_stamps(*database_, map_id, growth.stamps);
+    append_key_frames(*database_, *map, growth.new_key_frames);
+    MapInfo& info = map->info;
+    info.feature_count = growth.feature_count;
+    info.has_bounds = info.key_frame_count > 0;
+    if (info.has_bounds) {
+      info.min_x = growth.min_x;
+      info.min_y = growth.min_y;
+      info.max_x = growth.max_x;
+      info.max_y = growth.max_y;
+    }
+    info.updated = now;
+    if (!growth.new_key_frames.empty()) seal_revision(*map);
+    update_map(*database_, *map);
+    transaction.commit();
+    return std::move(info);
+  });
+}
+
+Result<std::vector<PosedScan>> MapStore::key_frames(std::int64_t map_id) {
+  return guarded([&]() -> Result<std::vector<PosedScan>> {
+    ReadTransaction transaction(*database_);
+    const std::optional<MapRow> map = find_map(*database_, map_id);
+    if (!map) return deleted_map();
+    return read_key_frames(*database_, map->info);
+  });
+}
+
+Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t expected_revision,
+                                          std::span<const Pose2> T_map_base_link,
+                                          std::string_view now) {
+  return guarded([&]() -> Result<MapInfo> {
+    WriteTransaction transaction(*database_);
+    Result<MapRow> map = find_at_revision(*database_, map_id, expected_revision);
+    if (!map) return map.error();
+    Result<std::vector<PosedScan>> key_frames = read_key_frames(*database_, map->info);
+    if (!key_frames) return key_frames.error();
+    if (T_map_base_link.size() != key_frames->size()) {
+      return Error{ErrorCode::kInvalidArgument,
+                   std::to_string(T_map_base_link.size()) + " poses, expected one for each of " +
+                       std::to_string(key_frames->size()) + " key frames",
+                   "poses"};
+    }
+    for (std::size_t i = 0; i < key_frames->size(); ++i) {
+      (*key_frames)[i].T_map_base_link = T_map_base_link[i];
+    }
+    const KeyFrameChain chain_before = map->chain;
+    rewrite_key_frames(*database_, *map, *key_frames);
+    if (map->chain == chain_before) return std::move(map->info);  // Nothing has moved.
+    set_bounds(map->info, *key_frames);
+    map->info.updated = now;
+    seal_revision(*map);
+    update_map(*database_, *map);
+    transaction.commit();
+    return std::move(map->info);
+  });
+}
+
+Result<std::optional<StoredContent>> MapStore::content(std::int64_t map_id) {
+  return guarded([&]() -> Result<std::optional<StoredContent>> {
+    Statement statement(
+        *database_,
+        "SELECT revision, features, descriptors, grid FROM map_contents WHERE map_id = ?");
+    if (!statement.bind(map_id).step()) return std::optional<StoredContent>();
+    Result<MapContent> content =
+        decode_content(statement.blob(1), statement.blob(2), statement.blob(3));
+    if (!content) return content.error();
+    return std::optional(StoredContent{statement.number(0), std::move(*content)});
+  });
+}
+
+Result<void> MapStore::store_content(std::int64_t map_id, std::uint64_t revision,
+                                     const MapContent& content) {
+  assert(content.descriptors.size() == content.features.size() && "a descriptor a feature");
+  return guarded([&]() -> Result<void> {
+    const Blob features = encode_features(content.features);
+    const Blob descriptors = encode_descriptors(content.descriptors);
+    const Blob grid = encode_grid(content.grid);
+    WriteTransaction transaction(*database_);
+    const Result<MapRow> map = find_at_revision(*database_, map_id, revision);
+    if (!map) return {};  // The map has moved on: the content is of no use any more.
+    Statement(*database_,
+              "INSERT OR REPLACE INTO map_contents (map_id, revision, features, descriptors, grid) "
+              "VALUES (?, ?, ?, ?, ?)")
+        .bind(map_id, revision, BlobView(features), BlobView(descriptors), BlobView(grid))
+        .run();
+    Statement(*database_, "UPDATE maps SET feature_count = ? WHERE id = ?")
+        .bind(content.features.size(), map_id)
+        .run();
+    transaction.commit();
+    return {};
+  });
+}
+
+}  // namespace cornerfix::storage

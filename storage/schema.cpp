@@ -1,0 +1,118 @@
+#include "storage/schema.hpp"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Transaction.h>
+
+#include <array>
+#include <string>
+
+namespace cornerfix::storage {
+namespace {
+
+constexpr const char* kCreateTables = R"sql(
+-- AUTOINCREMENT: the id of a deleted map never names another one.
+CREATE TABLE maps (
+  id              INTEGER PRIMARY KEY AUTOINCREMENT,
+  name            TEXT    NOT NULL UNIQUE,
+  description     TEXT    NOT NULL,
+  revision        INTEGER NOT NULL,
+  digest          TEXT    NOT NULL,
+  key_frame_chain BLOB    NOT NULL,
+  key_frame_count INTEGER NOT NULL,
+  feature_count   INTEGER NOT NULL,
+  min_x           REAL,
+  min_y           REAL,
+  max_x           REAL,
+  max_y           REAL,
+  created         TEXT    NOT NULL,
+  updated         TEXT    NOT NULL,
+  lidar_json      TEXT    NOT NULL,
+  parameters_json TEXT    NOT NULL
+) STRICT;
+
+CREATE TABLE key_frames (
+  id      INTEGER PRIMARY KEY,
+  map_id  INTEGER NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  ordinal INTEGER NOT NULL,
+  scan    BLOB    NOT NULL,
+  UNIQUE (map_id, ordinal)
+) STRICT;
+
+CREATE TABLE map_stamps (
+  map_id INTEGER NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  stamp  REAL    NOT NULL,
+  PRIMARY KEY (map_id, stamp)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE map_contents (
+  map_id      INTEGER PRIMARY KEY REFERENCES maps (id) ON DELETE CASCADE,
+  revision    INTEGER NOT NULL,
+  features    BLOB    NOT NULL,
+  descriptors BLOB    NOT NULL,
+  grid        BLOB    NOT NULL
+) STRICT;
+
+CREATE TABLE sessions (
+  number            INTEGER PRIMARY KEY AUTOINCREMENT,
+  id                TEXT    NOT NULL UNIQUE,
+  robot             TEXT    NOT NULL,
+  created           TEXT    NOT NULL,
+  lidar_json        TEXT    NOT NULL,
+  options_json      TEXT    NOT NULL,
+  expected_sequence INTEGER NOT NULL,
+  last_answer       TEXT    NOT NULL,
+  state             BLOB    NOT NULL
+) STRICT;
+
+CREATE TABLE session_maps (
+  session INTEGER NOT NULL REFERENCES sessions (number) ON DELETE CASCADE,
+  ordinal INTEGER NOT NULL,
+  map     TEXT    NOT NULL,
+  PRIMARY KEY (session, ordinal)
+) STRICT, WITHOUT ROWID;
+
+-- WITHOUT ROWID: one tree to write instead of two, on the path of every batch of scans.
+CREATE TABLE submap_scans (
+  session    INTEGER NOT NULL REFERENCES sessions (number) ON DELETE CASCADE,
+  scan_index INTEGER NOT NULL,
+  scan       BLOB    NOT NULL,
+  PRIMARY KEY (session, scan_index)
+) STRICT, WITHOUT ROWID;
+)sql";
+
+constexpr std::array<const char*, 1> kMigrations = {kCreateTables};
+
+}  // namespace
+
+std::span<const char* const> migrations() { return kMigrations; }
+
+std::int64_t schema_version() { return static_cast<std::int64_t>(kMigrations.size()); }
+
+std::int64_t user_version(SQLite::Database& connection) {
+  return connection.execAndGet("PRAGMA user_version").getInt64();
+}
+
+Result<void> check_schema_version(std::int64_t found, std::int64_t known) {
+  if (found >= 0 && found <= known) return {};
+  return Error{ErrorCode::kInvalidArgument,
+               "the database has schema " + std::to_string(found) + ", this program knows up to " +
+                   std::to_string(known) + ": use a newer program",
+               ""};
+}
+
+Result<void> migrate(SQLite::Database& connection, std::span<const char* const> steps) {
+  const auto target = static_cast<std::int64_t>(steps.size());
+  if (user_version(connection) == target) return {};
+
+  SQLite::Transaction transaction(connection, SQLite::TransactionBehavior::IMMEDIATE);
+  // Read again: another process may have migrated the file before we got the lock.
+  const std::int64_t found = user_version(connection);
+  if (Result<void> known = check_schema_version(found, target); !known) return known;
+  for (const char* step : steps.subspan(static_cast<std::size_t>(found))) connection.exec(step);
+  connection.exec("PRAGMA application_id = " + std::to_string(kApplicationId));
+  connection.exec("PRAGMA user_version = " + std::to_string(target));
+  transaction.commit();
+  return {};
+}
+
+}  // namespace cornerfix::storage

@@ -1,0 +1,221 @@
+#include "storage/session_store.hpp"
+
+#include <SQLiteCpp/Database.h>
+
+#include <unordered_map>
+#include <utility>
+
+#include "storage/blob_codec.hpp"
+#include "storage/database.hpp"
+#include "storage/statement.hpp"
+
+namespace cornerfix::storage {
+namespace {
+
+constexpr std::string_view kSelectSession =
+    "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
+    "state FROM sessions WHERE id = ?";
+
+Error unknown_session(std::string_view id) {
+  return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
+}
+
+using StoredScans = std::unordered_map<std::uint64_t, std::uint32_t>;  ///< Index to checksum.
+
+StoredScans by_index(std::span<const SubmapScanKey> keys) {
+  StoredScans scans;
+  for (const SubmapScanKey& key : keys) scans.emplace(key.index, key.checksum);
+  return scans;
+}
+
+/// Makes the stored submap scans those of `submap`, writing only what differs; returns their names.
+std::vector<SubmapScanKey> sync_submap(Database& database, std::int64_t session,
+                                       std::span<const SubmapScan> submap, StoredScans stored) {
+  Statement upsert(database,
+                   "INSERT OR REPLACE INTO submap_scans (session, scan_index, scan) "
+                   "VALUES (?, ?, ?)");
+  std::vector<SubmapScanKey> keys;
+  keys.reserve(submap.size());
+  for (const SubmapScan& scan : submap) {
+    const Blob blob = encode_submap_scan(scan);
+    keys.push_back({scan.index, checksum_of(blob)});
+    const auto found = stored.find(scan.index);
+    const bool is_stored = found != stored.end() && found->second == keys.back().checksum;
+    if (!is_stored) upsert.bind(session, scan.index, BlobView(blob)).run();
+    if (found != stored.end()) stored.erase(found);
+  }
+  Statement vanish(database, "DELETE FROM submap_scans WHERE session = ? AND scan_index = ?");
+  for (const auto& [index, checksum] : stored) vanish.bind(session, index).run();
+  return keys;
+}
+
+void write_answer(Database& database, std::int64_t session, std::uint64_t expected_sequence,
+                  std::string_view last_answer, BlobView state) {
+  Statement(database,
+            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ? "
+            "WHERE number = ?")
+      .bind(expected_sequence, last_answer, state, session)
+      .run();
+}
+
+std::vector<std::string> read_maps(Database& database, std::int64_t session) {
+  Statement statement(database, "SELECT map FROM session_maps WHERE session = ? ORDER BY ordinal");
+  statement.bind(session);
+  std::vector<std::string> maps;
+  while (statement.step()) maps.push_back(statement.text(0));
+  return maps;
+}
+
+/// The session's submap scans in the order of `keys`.
+Result<std::vector<SubmapScan>> read_submap(Database& database, std::int64_t session,
+                                            std::span<const SubmapScanKey> keys) {
+  Statement statement(database,
+                      "SELECT scan FROM submap_scans WHERE session = ? AND scan_index = ?");
+  std::vector<SubmapScan> submap;
+  submap.reserve(keys.size());
+  for (const SubmapScanKey& key : keys) {
+    const bool found = statement.bind(session, key.index).step();
+    Result<SubmapScan> scan = decode_submap_scan(found ? statement.blob(0) : BlobView());
+    if (!scan) return scan.error();
+    if (checksum_of(statement.blob(0)) != key.checksum || scan->index != key.index) {
+      return Error{ErrorCode::kCorruptData, "the session's state names another scan", ""};
+    }
+    submap.push_back(std::move(*scan));
+  }
+  return submap;
+}
+
+Result<LocalizerState> read_state(Database& database, std::int64_t session, BlobView state) {
+  Result<LocalizerStateOutline> outline = decode_localizer_state(state);
+  if (!outline) return outline.error();
+  Result<std::vector<SubmapScan>> submap = read_submap(database, session, outline->submap);
+  if (!submap) return submap.error();
+  outline->state.submap = std::move(*submap);
+  return std::move(outline->state);
+}
+
+Result<std::optional<SessionRecord>> read_session(Database& database, std::string_view id) {
+  Statement row(database, kSelectSession);
+  if (!row.bind(id).step()) return std::optional<SessionRecord>();
+  const std::int64_t session = row.integer(0);
+  SessionRecord record;
+  record.id = row.text(1);
+  record.robot = row.text(2);
+  record.created = row.text(3);
+  record.maps = read_maps(database, session);
+  record.lidar_json = row.text(4);
+  record.options_json = row.text(5);
+  record.expected_sequence = row.number(6);
+  record.last_answer = row.text(7);
+  Result<LocalizerState> state = read_state(database, session, row.blob(8));
+  if (!state) {
+    return Error{state.error().code, "session " + record.id + ": " + state.error().message,
+                 "session"};
+  }
+  record.state = std::move(*state);
+  return std::optional(std::move(record));
+}
+
+std::vector<std::string> session_ids(Database& database) {
+  Statement statement(database, "SELECT id FROM sessions ORDER BY created, number");
+  std::vector<std::string> ids;
+  while (statement.step()) ids.push_back(statement.text(0));
+  return ids;
+}
+
+/// What update() must know of a stored session.
+struct StoredSession {
+  std::int64_t number = 0;
+  std::uint64_t expected_sequence = 0;
+  StoredScans submap;
+};
+
+Result<StoredSession> find_for_update(Database& database, std::string_view id) {
+  Statement row(database, "SELECT number, expected_sequence, state FROM sessions WHERE id = ?");
+  if (!row.bind(id).step()) return unknown_session(id);
+  const Result<LocalizerStateOutline> outline = decode_localizer_state(row.blob(2));
+  if (!outline) return outline.error();
+  return StoredSession{row.integer(0), row.number(1), by_index(outline->submap)};
+}
+
+}  // namespace
+
+SessionStore::SessionStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}
+SessionStore::~SessionStore() = default;
+SessionStore::SessionStore(SessionStore&&) noexcept = default;
+
+Result<void> SessionStore::insert(const SessionRecord& record) {
+  return guarded([&]() -> Result<void> {
+    WriteTransaction transaction(*database_);
+    const Blob no_state = encode_localizer_state({}, {});
+    Statement(*database_,
+              "INSERT INTO sessions (id, robot, created, lidar_json, options_json, "
+              "expected_sequence, last_answer, state) VALUES (?, ?, ?, ?, ?, 0, '', ?)")
+        .bind(record.id, record.robot, record.created, record.lidar_json, record.options_json,
+              BlobView(no_state))
+        .run();
+    const std::int64_t session = database_->connection().getLastInsertRowid();
+    Statement map(*database_, "INSERT INTO session_maps (session, ordinal, map) VALUES (?, ?, ?)");
+    for (std::size_t i = 0; i < record.maps.size(); ++i) {
+      map.bind(session, i, record.maps[i]).run();
+    }
+    const std::vector<SubmapScanKey> submap =
+        sync_submap(*database_, session, record.state.submap, {});
+    write_answer(*database_, session, record.expected_sequence, record.last_answer,
+                 encode_localizer_state(record.state, submap));
+    transaction.commit();
+    return {};
+  });
+}
+
+Result<void> SessionStore::update(std::string_view id, const SessionUpdate& update) {
+  return guarded([&]() -> Result<void> {
+    WriteTransaction transaction(*database_);
+    Result<StoredSession> stored = find_for_update(*database_, id);
+    if (!stored) return stored.error();
+    if (stored->expected_sequence != update.previous_sequence) {
+      return Error{ErrorCode::kConflict,
+                   "the session expects sequence " + std::to_string(stored->expected_sequence) +
+                       ", not " + std::to_string(update.previous_sequence),
+                   "sequence"};
+    }
+    const std::vector<SubmapScanKey> submap =
+        sync_submap(*database_, stored->number, update.state->submap, std::move(stored->submap));
+    write_answer(*database_, stored->number, update.expected_sequence, update.last_answer,
+                 encode_localizer_state(*update.state, submap));
+    transaction.commit();
+    return {};
+  });
+}
+
+Result<void> SessionStore::remove(std::string_view id) {
+  return guarded([&]() -> Result<void> {
+    WriteTransaction transaction(*database_);
+    const int removed = Statement(*database_, "DELETE FROM sessions WHERE id = ?").bind(id).run();
+    transaction.commit();
+    if (removed == 0) return unknown_session(id);
+    return {};
+  });
+}
+
+Result<std::optional<SessionRecord>> SessionStore::find(std::string_view id) {
+  return guarded([&]() -> Result<std::optional<SessionRecord>> {
+    ReadTransaction transaction(*database_);
+    return read_session(*database_, id);
+  });
+}
+
+Result<std::vector<SessionRecord>> SessionStore::all() {
+  return guarded([&]() -> Result<std::vector<SessionRecord>> {
+    ReadTransaction transaction(*database_);
+    std::vector<SessionRecord> records;
+    for (const std::string& id : session_ids(*database_)) {
+      Result<std::optional<SessionRecord>> record = read_session(*database_, id);
+      if (!record) return record.error();
+      records.push_back(std::move(**record));
+    }
+    return records;
+  });
+}
+
+}  // namespace cornerfix::storage

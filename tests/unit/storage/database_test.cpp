@@ -1,0 +1,304 @@
+#include "storage/database.hpp"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+
+#include <barrier>
+#include <thread>
+
+#include "storage/map_store.hpp"
+#include "storage/schema.hpp"
+#include "unit/storage/storage_samples.hpp"
+
+namespace cornerfix::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Key;
+
+constexpr int kShortTimeoutMs = 1;
+
+/// A closed database with a map in it.
+void make_database(const fs::path& path) {
+  MapStore store(open_database(path));
+  const MapInfo map = [&] {
+    (void)store.put("office", "second floor", std::nullopt, std::nullopt, "t0").value();
+    return store.find("office").value();
+  }();
+  const std::vector<PosedScan> key_frames = sample_key_frames(60);
+  (void)store.grow(map.id, map.revision, {.stamps = {}, .new_key_frames = key_frames}, "t1")
+      .value();
+}
+
+/// A closed SQLite file, made by `sql` and in WAL mode.
+void make_sqlite_file(const fs::path& path, const std::string& sql) {
+  SQLite::Database database(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  database.exec("PRAGMA journal_mode = WAL");
+  database.exec(sql);
+}
+
+/// What a killed process leaves of a database: the file and its unmerged WAL, without the index.
+void copy_as_killed(const fs::path& from, const fs::path& to) {
+  fs::copy_file(from, to);
+  fs::copy_file(from.string() + "-wal", to.string() + "-wal");
+}
+
+void expect_refused_untouched(const TempDirectory& directory, const fs::path& path, ErrorCode code,
+                              const std::string& message) {
+  const auto before = directory.snapshot();
+  const auto opened = Database::open(path, Synchronous::kFull);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, code) << opened.error().message;
+  EXPECT_THAT(opened.error().message, HasSubstr(message));
+  EXPECT_EQ(opened.error().field, path.string());
+  EXPECT_TRUE(directory.snapshot() == before) << "a refused file must stay as it was";
+}
+
+TEST(Database, CreatesAFileOfOurs) {
+  const TempDirectory directory;
+  const auto database = open_database(directory / "new.db");
+  SQLite::Database& connection = database->connection();
+  EXPECT_EQ(connection.execAndGet("PRAGMA application_id").getInt64(), kApplicationId);
+  EXPECT_EQ(connection.execAndGet("PRAGMA user_version").getInt64(), schema_version());
+}
+
+TEST(Database, LeavesOneFileWhenClosed) {
+  const TempDirectory directory;
+  make_database(directory / "maps.db");
+  EXPECT_THAT(directory.snapshot(), ElementsAre(Key("maps.db")));
+}
+
+TEST(Database, SetsThePragmasThatTheStoresRelyOn) {
+  const TempDirectory directory;
+  for (const auto& [synchronous, level] :
+       {std::pair(Synchronous::kFull, 2), std::pair(Synchronous::kNormal, 1)}) {
+    const auto database = open_database(directory / "new.db", synchronous);
+    SQLite::Database& connection = database->connection();
+    EXPECT_EQ(connection.execAndGet("PRAGMA journal_mode").getString(), "wal");
+    EXPECT_EQ(connection.execAndGet("PRAGMA foreign_keys").getInt(), 1);
+    EXPECT_EQ(connection.execAndGet("PRAGMA busy_timeout").getInt(), kDefaultBusyTimeoutMs);
+    EXPECT_EQ(connection.execAndGet("PRAGMA synchronous").getInt(), level);
+  }
+}
+
+TEST(Database, TakesAnEmptyFileForANewOne) {
+  const TempDirectory directory;
+  write_bytes(directory / "empty.db", "");
+  EXPECT_TRUE(Database::open(directory / "empty.db", Synchronous::kFull));
+}
+
+TEST(Database, OpensNamesThatWouldMeanSomethingElseInAUri) {
+  const TempDirectory directory;
+  for (const std::string name : {"what?.db", "100%41.db", "a#b.db", ":memory:"}) {
+    make_database(directory / name);
+    MapStore store(open_database(directory / name));
+    EXPECT_TRUE(store.find("office")) << name;
+  }
+}
+
+TEST(Database, ReopensItsOwnFileUnchanged) {
+  const TempDirectory directory;
+  make_database(directory / "maps.db");
+  const auto before = directory.snapshot();
+  (void)open_database(directory / "maps.db");
+  EXPECT_TRUE(directory.snapshot() == before);
+}
+
+TEST(Database, RefusesAMissingDirectory) {
+  const TempDirectory directory;
+  const auto opened = Database::open(directory / "nowhere/maps.db", Synchronous::kFull);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kUnavailable);
+}
+
+TEST(Database, RefusesADirectory) {
+  const TempDirectory directory;
+  EXPECT_FALSE(Database::open(directory.path(), Synchronous::kFull));
+}
+
+TEST(Database, RefusesWhatIsNotSqlite) {
+  const TempDirectory directory;
+  for (const std::string& bytes : {std::string(2, 'x'), std::string(99, 'x'),
+                                   std::string(20000, 'x'), std::string(4096, '\0')}) {
+    write_bytes(directory / "notes.txt", bytes);
+    expect_refused_untouched(directory, directory / "notes.txt", ErrorCode::kCorruptData,
+                             "not a database");
+  }
+}
+
+// SQLite itself takes a file of one byte for an empty one.
+TEST(Database, RefusesASingleByte) {
+  const TempDirectory directory;
+  write_bytes(directory / "notes.txt", "x");
+  expect_refused_untouched(directory, directory / "notes.txt", ErrorCode::kInvalidArgument,
+                           "not a Cornerfix database");
+}
+
+TEST(Database, RefusesAnSqliteFileOfAnotherProgram) {
+  const TempDirectory directory;
+  make_sqlite_file(directory / "other.db", "CREATE TABLE t (x); PRAGMA application_id = 77");
+  expect_refused_untouched(directory, directory / "other.db", ErrorCode::kInvalidArgument,
+                           "not a Cornerfix database");
+}
+
+TEST(Database, RefusesAnSqliteFileWithoutAnOwner) {
+  const TempDirectory directory;
+  make_sqlite_file(directory / "other.db", "CREATE TABLE t (x)");
+  expect_refused_untouched(directory, directory / "other.db", ErrorCode::kInvalidArgument,
+                           "not a Cornerfix database");
+}
+
+TEST(Database, RefusesANewerSchema) {
+  const TempDirectory directory;
+  make_database(directory / "maps.db");
+  make_sqlite_file(directory / "maps.db", "PRAGMA user_version = 99");
+  expect_refused_untouched(directory, directory / "maps.db", ErrorCode::kInvalidArgument,
+                           "schema 99");
+}
+
+TEST(Database, RefusesANewerSchemaThatIsInTheWalOnly) {
+  const TempDirectory directory;
+  const TempDirectory source;
+  make_database(source / "maps.db");
+  {
+    SQLite::Database newer((source / "maps.db").string(), SQLite::OPEN_READWRITE);
+    newer.exec("PRAGMA user_version = 99");
+    copy_as_killed(source / "maps.db", directory / "maps.db");
+  }
+  expect_refused_untouched(directory, directory / "maps.db", ErrorCode::kInvalidArgument,
+                           "schema 99");
+}
+
+TEST(Database, RefusesANewerSchemaWhileAnotherProcessHasItOpen) {
+  const TempDirectory directory;
+  make_database(directory / "maps.db");
+  SQLite::Database newer((directory / "maps.db").string(), SQLite::OPEN_READWRITE);
+  newer.exec("PRAGMA user_version = 99");
+  const std::string file = read_bytes(directory / "maps.db");
+  const std::string wal = read_bytes(directory / "maps.db-wal");
+  EXPECT_FALSE(Database::open(directory / "maps.db", Synchronous::kFull));
+  EXPECT_EQ(read_bytes(directory / "maps.db"), file);
+  EXPECT_EQ(read_bytes(directory / "maps.db-wal"), wal);
+}
+
+TEST(Database, RefusesATruncatedFile) {
+  const TempDirectory directory;
+  make_database(directory / "maps.db");
+  const std::string whole = read_bytes(directory / "maps.db");
+  for (const std::size_t size :
+       {std::size_t{100}, std::size_t{4096}, whole.size() / 2, whole.size() - 4096}) {
+    write_bytes(directory / "maps.db", whole.substr(0, size));
+    expect_refused_untouched(directory, directory / "maps.db", ErrorCode::kCorruptData, "database");
+  }
+}
+
+TEST(Database, RefusesAFileWithAnOverwrittenPage) {
+  const TempDirectory directory;
+  make_database(directory / "maps.db");
+  const std::string whole = read_bytes(directory / "maps.db");
+  for (const std::size_t page : {1U, 2U, 3U, 4U}) {
+    std::string damaged = whole;
+    damaged.replace(page * 4096, 64, 64, '\xA5');
+    write_bytes(directory / "maps.db", damaged);
+    expect_refused_untouched(directory, directory / "maps.db", ErrorCode::kCorruptData, "database");
+  }
+}
+
+TEST(Database, GoesOnFromTheWalOfAKilledProcess) {
+  const TempDirectory directory;
+  const TempDirectory source;
+  {
+    MapStore store(open_database(source / "maps.db"));
+    ASSERT_TRUE(store.put("office", std::nullopt, std::nullopt, std::nullopt, "now"));
+    copy_as_killed(source / "maps.db", directory / "maps.db");
+  }
+  MapStore store(open_database(directory / "maps.db"));
+  EXPECT_TRUE(store.find("office"));
+}
+
+TEST(Database, OpensWhileAnotherConnectionIsOpen) {
+  const TempDirectory directory;
+  const auto first = open_database(directory / "maps.db");
+  MapStore store(first);
+  ASSERT_TRUE(store.put("office", std::nullopt, std::nullopt, std::nullopt, "now"));
+  MapStore second(open_database(directory / "maps.db"));
+  EXPECT_TRUE(second.find("office"));
+}
+
+TEST(Database, IsCreatedOnceByProcessesThatStartTogether) {
+  const TempDirectory directory;
+  constexpr int kThreads = 6;
+  std::barrier start(kThreads);
+  std::vector<std::string> errors(kThreads);
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&, i] {
+        start.arrive_and_wait();
+        const auto database = Database::open(directory / "maps.db", Synchronous::kFull);
+        if (!database) errors[static_cast<std::size_t>(i)] = database.error().message;
+      });
+    }
+  }
+  EXPECT_EQ(errors, std::vector<std::string>(kThreads));
+}
+
+TEST(Database, OpensAnotherConnectionToTheSameFile) {
+  const TempDirectory directory;
+  const auto first = open_database(directory / "maps.db");
+  MapStore store(first->open_another(Synchronous::kFull).value());
+  ASSERT_TRUE(store.put("office", std::nullopt, std::nullopt, std::nullopt, "now"));
+  EXPECT_TRUE(MapStore(first).find("office"));
+}
+
+TEST(Database, TellsWhenAnotherConnectionChangedTheFile) {
+  const TempDirectory directory;
+  const auto database = open_database(directory / "maps.db");
+  MapStore other(open_database(directory / "maps.db"));
+  const std::int64_t before = database->data_version().value();
+  ASSERT_TRUE(other.put("office", std::nullopt, std::nullopt, std::nullopt, "now"));
+  EXPECT_NE(database->data_version().value(), before);
+}
+
+TEST(Database, DoesNotTellOfItsOwnChanges) {
+  const TempDirectory directory;
+  const auto database = open_database(directory / "maps.db");
+  const std::int64_t before = database->data_version().value();
+  ASSERT_TRUE(MapStore(database).put("office", std::nullopt, std::nullopt, std::nullopt, "now"));
+  EXPECT_EQ(database->data_version().value(), before);
+}
+
+TEST(Database, IsReady) {
+  const TempDirectory directory;
+  EXPECT_TRUE(open_database(directory / "maps.db")->probe());
+}
+
+TEST(Database, IsNotReadyOnceANewerProgramMigratedTheFile) {
+  const TempDirectory directory;
+  const auto database = open_database(directory / "maps.db");
+  make_sqlite_file(directory / "maps.db", "PRAGMA user_version = 99");
+  const Result<void> ready = database->probe();
+  ASSERT_FALSE(ready);
+  EXPECT_EQ(ready.error().code, ErrorCode::kUnavailable);
+}
+
+TEST(Database, SaysBusyWhenAnotherWriterDoesNotEnd) {
+  const TempDirectory directory;
+  const auto first = open_database(directory / "maps.db");
+  MapStore store(
+      Database::open(directory / "maps.db", Synchronous::kNormal, kShortTimeoutMs).value());
+  const SQLite::Transaction writer(first->connection(), SQLite::TransactionBehavior::IMMEDIATE);
+  const auto put = store.put("office", std::nullopt, std::nullopt, std::nullopt, "now");
+  ASSERT_FALSE(put);
+  EXPECT_EQ(put.error().code, ErrorCode::kUnavailable);
+}
+
+TEST(Database, EndsForeignExceptionsAsErrors) {
+  const Result<int> result = guarded([]() -> Result<int> { throw std::bad_alloc(); });
+  EXPECT_EQ(result.error().code, ErrorCode::kInternal);
+}
+
+}  // namespace
+}  // namespace cornerfix::storage
