@@ -1,0 +1,23 @@
+# The layering test must find a wrong include.
+#   cmake -D WORK_DIR=... -P layering_self_test.cmake
+file(REMOVE_RECURSE "${WORK_DIR}")
+foreach(line
+    "core/src/a.cpp|#include \"server/routes.hpp\""
+    "core/include/cornerfix/a.hpp|#include <opencv2/core.hpp>"
+    "storage/a.cpp|#include <nlohmann/json.hpp>"
+    "api/a.cpp|#include \"storage/database.hpp\""
+    "server/a.hpp|#include <httplib.h>"
+    "server/a.cpp|#include <sqlite3.h>"
+    "web/app.js|fetch('v1/maps')")
+  string(REPLACE "|" ";" parts "${line}")
+  list(GET parts 0 file)
+  list(GET parts 1 text)
+  set(tree "${WORK_DIR}/tree")
+  file(REMOVE_RECURSE "${tree}")
+  file(WRITE "${tree}/${file}" "${text}\n")
+  execute_process(COMMAND ${CMAKE_COMMAND} -D SOURCE_DIR=${tree} -P ${CMAKE_CURRENT_LIST_DIR}/layering_test.cmake
+    RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE told)
+  if(result EQUAL 0 OR NOT told MATCHES "${file}")
+    message(FATAL_ERROR "not found: ${file}: ${text}\n${told}")
+  endif()
+endforeach()
