@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing; does nothing when all are there.
+#   scripts/install_dependencies.sh build   to build and run
+#   scripts/install_dependencies.sh test    to test and check as well
+set -euo pipefail
+
+build=(
+  g++ cmake ninja-build pkg-config
+  libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libpng-dev libyaml-cpp-dev zlib1g-dev
+  libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libsqlite3-dev libsqlitecpp-dev
+  libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev
+  libjs-leaflet
+)
+test=(git ccache clang-format clang-tidy chromium chromium-driver python3-selenium)
+
+case "${1:-}" in
+  build) wanted=("${build[@]}") ;;
+  test) wanted=("${build[@]}" "${test[@]}") ;;
+  *) echo "usage: $0 build|test" >&2; exit 2 ;;
+esac
+
+is_installed() { [[ $(dpkg-query -W -f '${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }
+
+missing=()
+for package in "${wanted[@]}"; do
+  is_installed "$package" || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+  command -v sudo >/dev/null || { echo "Become root, or install: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "installing ${#missing[@]} Debian packages: ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

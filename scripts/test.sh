@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Builds with warnings as errors, checks format and style, and runs every test.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+failed=()
+step() {
+  local name=$1 began=$SECONDS
+  shift
+  echo "== $name"
+  "$@" || failed+=("$name")
+  echo "== $name: $((SECONDS - began)) s"
+}
+
+check_format() { git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run --Werror; }
+check_style() {
+  local status=0
+  # Tests are held to the compiler's warnings only.
+  run-clang-tidy -quiet -p build/ci "$PWD/(core|storage|api|server|cli)/.*\.cpp$" >build/ci/clang-tidy.log 2>&1 || status=1
+  grep -E '(warning|error):' build/ci/clang-tidy.log | sort -u && status=1
+  return "$status"
+}
+
+scripts/install_dependencies.sh test
+cmake --preset ci
+step build cmake --build --preset ci
+[[ ${#failed[@]} -eq 0 ]] || exit 1
+step format check_format
+step style check_style
+
+# On a machine that has all of the above no test has a reason to skip the browser.
+export CORNERFIX_REQUIRE_BROWSER=1
+logs=$(dirname "$PWD")/shared/data
+[[ -d $logs ]] || echo "no recorded logs at ../shared/data: the tests on them will be skipped"
+step tests ctest --preset ci -j "$(nproc)"
+[[ ${#failed[@]} -eq 0 ]] || { echo "failed: ${failed[*]}" >&2; exit 1; }
