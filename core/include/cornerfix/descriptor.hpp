@@ -19,17 +19,20 @@ struct DescriptorParams {
   double distance_resolution_m = 0.2;  ///< d_res of eq. (13); > 0.
   double angle_resolution_rad =
       3.0 * 0.017453292519943295;  ///< a_res of eq. (12); must divide a turn.
-  double max_distance_m =
-      60.0;  ///< Pairs farther apart are left out, which bounds memory on large maps; > 0.
+  /// Pairs farther apart are left out, which bounds memory on large maps; > 0. The default holds
+  /// most pairs of a submap; 5,000 features then take 2.3 MB at 0.02 and 23 MB at 0.2 features/m2.
+  double max_distance_m = 30.0;
+  friend bool operator==(const DescriptorParams&, const DescriptorParams&) = default;
 };
 
 /// (d_im, a_im, m) of algorithm 2, in bins.
 struct DescriptorEntry {
   std::uint16_t distance_bin = 0;
-  std::uint16_t angle_bin = 0;
-  std::uint32_t feature = 0;  ///< Index m of the other feature.
+  std::uint16_t angle_bin = 0;  ///< In [0, angle_bins).
+  std::uint32_t feature = 0;    ///< Index m of the other feature.
   friend bool operator==(const DescriptorEntry&, const DescriptorEntry&) = default;
 };
+static_assert(sizeof(DescriptorEntry) == 8);
 
 /// The descriptors of a feature map, entries of one feature contiguous and ascending in
 /// distance_bin.
@@ -49,8 +52,8 @@ struct DescriptorSet {
 /// The first broken limit, or nothing.
 [[nodiscard]] std::optional<Error> validate(const DescriptorParams& params);
 
-/// Algorithm 2. O(n^2 log n) time, O(n^2) memory for n features within max_distance_m of each
-/// other.
+/// Algorithm 2. `params` must pass validate(). Time and memory are proportional to the pairs of
+/// features within max_distance_m of each other; nothing is compared to sort them.
 [[nodiscard]] DescriptorSet describe(std::span<const Feature> features,
                                      const DescriptorParams& params);
 

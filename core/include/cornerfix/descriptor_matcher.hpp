@@ -6,11 +6,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <cornerfix/descriptor.hpp>
+#include <cornerfix/result.hpp>
 
 namespace cornerfix {
 
@@ -24,6 +26,7 @@ struct DescriptorMatch {
   int angle_bin =
       0;          ///< a_max of eq. (14): local minus global bearing, in bins, in [0, angle_bins).
   int votes = 0;  ///< |match_ij|
+  friend bool operator==(const DescriptorMatch&, const DescriptorMatch&) = default;
 };
 
 /// p and N / N_local of eq. (18).
@@ -33,6 +36,45 @@ struct SampledMatchParams {
   std::uint64_t seed = 1;             ///< Same seed and input give the same draws.
 };
 
+[[nodiscard]] std::optional<Error> validate(const SampledMatchParams& params);
+
+/// The descriptors of a map, turned inside out for matching: for each distance bin, who has a
+/// neighbour there and at which bearing. Two bytes an entry, in blocks of features whose vote
+/// counters fit the first-level cache together. Immutable: any threads may share it.
+class DescriptorIndex {
+ public:
+  DescriptorIndex() = default;
+
+  /// O(entries). Keeps no reference to `descriptors`, which must come from describe().
+  explicit DescriptorIndex(const DescriptorSet& descriptors);
+
+  /// Descriptors in the index.
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] const DescriptorParams& params() const { return params_; }
+  [[nodiscard]] std::size_t angle_bins() const { return angle_bins_; }
+
+  [[nodiscard]] std::size_t block_size() const { return block_size_; }
+  [[nodiscard]] std::size_t block_count() const { return block_count_; }
+  /// Features of a block: all have block_size() but the last.
+  [[nodiscard]] std::size_t block_size(std::size_t block) const;
+
+  /// One slot an entry of the block's features in `distance_bin`. Slot + local angle bin is the
+  /// counter of a vote: (feature within the block) * 2 * angle_bins + angle_bins + (local minus
+  /// global angle bin).
+  [[nodiscard]] std::span<const std::uint16_t> slots(std::size_t block,
+                                                     std::size_t distance_bin) const;
+
+ private:
+  DescriptorParams params_;
+  std::size_t size_ = 0;
+  std::size_t angle_bins_ = 0;
+  std::size_t distance_bins_ = 0;
+  std::size_t block_size_ = 0;
+  std::size_t block_count_ = 0;
+  std::vector<std::uint32_t> offsets_;  ///< Begins into `slots_`, by block and distance bin.
+  std::vector<std::uint16_t> slots_;
+};
+
 /// Algorithm 3 as published. Votes <= `min_votes` (S_t) give no pairs. Pairs come in the order of
 /// the merge. Best case O(m + n), worst O((m + n) n).
 [[nodiscard]] FeaturePairs match_descriptors(std::span<const DescriptorEntry> local,
@@ -40,14 +82,25 @@ struct SampledMatchParams {
                                              int angle_bins, int min_votes);
 
 /// NMA, eq. (15): all local against all global descriptors; the `max_matches` best by votes, best
-/// first, ties by ascending (global, local), at most one an angle bin and global feature. Those
-/// with votes <= min_votes are left out.
+/// first, ties by ascending (global, local), at most one an angle bin and global feature. Of
+/// equally full buckets of two descriptors the lowest angle bin is taken. Those with votes <=
+/// min_votes are left out. Both sides must have been described with the same resolutions; a bucket
+/// must not gather more than 65,535 votes.
 [[nodiscard]] std::vector<DescriptorMatch> match_exhaustive(const DescriptorSet& local,
-                                                            const DescriptorSet& global,
+                                                            const DescriptorIndex& global,
                                                             int min_votes, std::size_t max_matches);
 
 /// RMA, eq. (18): `sample_count()` local descriptors drawn without replacement against all global
 /// ones.
+[[nodiscard]] std::vector<DescriptorMatch> match_sampled(const DescriptorSet& local,
+                                                         const DescriptorIndex& global,
+                                                         int min_votes, std::size_t max_matches,
+                                                         const SampledMatchParams& params);
+
+/// The same for a map that is matched once: the index is made on the way.
+[[nodiscard]] std::vector<DescriptorMatch> match_exhaustive(const DescriptorSet& local,
+                                                            const DescriptorSet& global,
+                                                            int min_votes, std::size_t max_matches);
 [[nodiscard]] std::vector<DescriptorMatch> match_sampled(const DescriptorSet& local,
                                                          const DescriptorSet& global, int min_votes,
                                                          std::size_t max_matches,

@@ -30,13 +30,14 @@ struct PoseEstimate {
   double rms_residual_m = 0.0;       ///< Over the inliers.
 };
 
-/// Least-squares rigid transform for correspondences taken as all true; nothing when they all
-/// coincide.
+/// Least-squares rigid transform for correspondences taken as all true; nothing when they do not
+/// tell the rotation: fewer than two, all in one point, or each other's mirror image.
 [[nodiscard]] std::optional<Pose2> fit_rigid(std::span<const Correspondence> correspondences);
 
 /// Finds the pose that the most correspondences agree on: RANSAC over pairs, closed form over the
-/// inliers. Nothing when no pose gathers `min_inliers`: an answer, not an error. O(max_iterations *
-/// n). Keeps no state, so any threads may call it at once. Peng et al. 2023, section 3.3, eq. (16).
+/// inliers. A submap point counts once, however many map points are offered for it. Nothing when no
+/// pose gathers `min_inliers`: an answer, not an error. O(max_iterations * n). Keeps no state, so
+/// any threads may call it at once. Peng et al. 2023, section 3.3, eq. (16).
 [[nodiscard]] std::optional<PoseEstimate> estimate_pose(
     std::span<const Correspondence> correspondences, const PoseEstimatorParams& params);
 

@@ -1,0 +1,141 @@
+#include <cornerfix/descriptor.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace cornerfix {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kMaxBins = std::numeric_limits<std::uint16_t>::max();
+constexpr double kMaxAngleBins = 4096.0;
+
+/// Two features within reach of each other; the bearing is that from each to the other.
+struct NearPair {
+  std::uint32_t first = 0;
+  std::uint32_t second = 0;
+  std::uint16_t distance_bin = 0;
+  std::uint16_t first_angle_bin = 0;
+  std::uint16_t second_angle_bin = 0;
+};
+
+/// Eqs. (10), (12) and (13). A bearing that rounds up to a full turn is bin 0.
+class Quantiser {
+ public:
+  explicit Quantiser(const DescriptorParams& params, int angle_bins)
+      : distance_resolution_(params.distance_resolution_m),
+        angle_resolution_(kTurn / angle_bins),
+        angle_bins_(static_cast<unsigned>(angle_bins)) {}
+
+  [[nodiscard]] NearPair operator()(std::uint32_t first, std::uint32_t second, const Point2& v,
+                                    double distance) const {
+    const double bearing = std::atan2(v.y(), v.x());
+    return {first, second, static_cast<std::uint16_t>(std::lround(distance / distance_resolution_)),
+            angle_bin(bearing < 0.0 ? bearing + kTurn : bearing),
+            angle_bin(bearing + std::numbers::pi)};
+  }
+
+ private:
+  [[nodiscard]] std::uint16_t angle_bin(double angle) const {
+    const auto bin = static_cast<unsigned>(angle / angle_resolution_ + 0.5);
+    return static_cast<std::uint16_t>(bin % angle_bins_);
+  }
+
+  double distance_resolution_;
+  double angle_resolution_;
+  unsigned angle_bins_;
+};
+
+/// All pairs within reach, by a sweep along x, so that a large map costs no n^2.
+std::vector<NearPair> near_pairs(std::span<const Feature> features, const DescriptorParams& params,
+                                 int angle_bins) {
+  std::vector<std::uint32_t> by_x(features.size());
+  std::iota(by_x.begin(), by_x.end(), 0U);
+  const auto x_of = [&](std::uint32_t i) { return features[i].position.x(); };
+  std::ranges::stable_sort(by_x, {}, x_of);
+  const Quantiser quantise(params, angle_bins);
+  std::vector<NearPair> pairs;
+  for (std::size_t i = 0; i < by_x.size(); ++i) {
+    const Point2 p = features[by_x[i]].position;
+    for (std::size_t j = i + 1; j < by_x.size(); ++j) {
+      const Point2 v = features[by_x[j]].position - p;
+      if (v.x() > params.max_distance_m) break;
+      const double distance = v.norm();
+      if (distance <= params.max_distance_m) {
+        pairs.push_back(quantise(by_x[i], by_x[j], v, distance));
+      }
+    }
+  }
+  return pairs;
+}
+
+/// Turns counts into begins, in place.
+template <typename Integer>
+void to_offsets(std::vector<Integer>& counts) {
+  std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), Integer{0});
+}
+
+/// The pairs by ascending distance bin, by counting: bins are few.
+std::vector<NearPair> sorted_by_distance(const std::vector<NearPair>& pairs) {
+  std::vector<std::size_t> next;
+  for (const NearPair& pair : pairs) {
+    if (pair.distance_bin >= next.size()) next.resize(pair.distance_bin + 1U);
+    ++next[pair.distance_bin];
+  }
+  to_offsets(next);
+  std::vector<NearPair> sorted(pairs.size());
+  for (const NearPair& pair : pairs) sorted[next[pair.distance_bin]++] = pair;
+  return sorted;
+}
+
+}  // namespace
+
+int DescriptorSet::angle_bins() const {
+  return static_cast<int>(std::lround(kTurn / params.angle_resolution_rad));
+}
+
+std::optional<Error> validate(const DescriptorParams& params) {
+  const auto broken = [](const char* field, const char* message) {
+    return Error{ErrorCode::kInvalidArgument, message, field};
+  };
+  if (!(params.distance_resolution_m > 0.0) || !std::isfinite(params.distance_resolution_m)) {
+    return broken("distance_resolution_m", "must be a finite length in metres above 0");
+  }
+  const double angle_bins = kTurn / params.angle_resolution_rad;
+  if (!(angle_bins >= 1.0 && angle_bins <= kMaxAngleBins &&
+        std::abs(angle_bins - std::round(angle_bins)) < 1e-6)) {
+    return broken("angle_resolution_rad", "must divide a full turn into 1 to 4096 parts");
+  }
+  if (!(params.max_distance_m > 0.0 &&
+        params.max_distance_m / params.distance_resolution_m < kMaxBins)) {
+    return broken("max_distance_m", "must be above 0 m and below 65535 distance_resolution_m");
+  }
+  return std::nullopt;
+}
+
+DescriptorSet describe(std::span<const Feature> features, const DescriptorParams& params) {
+  assert(!validate(params) && "params must pass validate()");
+  DescriptorSet set;
+  set.params = params;
+  const std::vector<NearPair> pairs =
+      sorted_by_distance(near_pairs(features, params, set.angle_bins()));
+  set.offsets.assign(features.size() + 1, 0);
+  for (const NearPair& pair : pairs) {
+    ++set.offsets[pair.first];
+    ++set.offsets[pair.second];
+  }
+  to_offsets(set.offsets);
+  set.entries.resize(2 * pairs.size());
+  std::vector<std::uint32_t> next = set.offsets;
+  for (const NearPair& pair : pairs) {
+    set.entries[next[pair.first]++] = {pair.distance_bin, pair.first_angle_bin, pair.second};
+    set.entries[next[pair.second]++] = {pair.distance_bin, pair.second_angle_bin, pair.first};
+  }
+  return set;
+}
+
+}  // namespace cornerfix
