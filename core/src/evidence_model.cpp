@@ -30,6 +30,28 @@ constexpr std::size_t kLastMatchedClass = 2;
 constexpr std::size_t kFirstContradictedClass = kNearLimits.size() + 1;
 constexpr std::size_t kLastContradictedClass = kNearLimits.size() + kFarLimits.size() - 1;
 
+void summarise(EvidenceScore& score) {
+  int matched = 0;
+  int contradicted = 0;
+  for (std::size_t i = 0; i < kEndClasses; ++i) {
+    const int count = score.end_counts[i];
+    score.ends += count;
+    score.log_likelihood += static_cast<double>(kEndWeights[i]) * count;
+    if (i <= kLastMatchedClass) matched += count;
+    if (i >= kFirstContradictedClass && i <= kLastContradictedClass) contradicted += count;
+  }
+  int passes = 0;
+  for (std::size_t i = 0; i < kPassClasses; ++i) {
+    passes += score.pass_counts[i];
+    score.log_likelihood += static_cast<double>(kPassWeights[i]) * score.pass_counts[i];
+  }
+  const double ends = std::max(1.0, static_cast<double>(score.ends));
+  score.matched = matched / ends;
+  score.contradicted = contradicted / ends;
+  score.blocked = score.pass_counts[static_cast<std::size_t>(PassClass::kOnWall)] /
+                  std::max(1.0, static_cast<double>(passes));
+}
+
 }  // namespace
 
 ClassField::ClassField(const OccupancyGrid& grid, const DistanceField& field)
@@ -59,27 +81,12 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
   const auto row_of = [&](const Point2& p) {
     return static_cast<int>(std::floor(y + s * p.x() + c * p.y()));
   };
-  std::array<int, kEndClasses> ends{};
-  std::array<int, kPassClasses> passes{};
-  for (const Point2& p : evidence.ends) ++ends[classes.end_class(column_of(p), row_of(p))];
-  for (const Point2& p : evidence.free) ++passes[classes.pass_class(column_of(p), row_of(p))];
-
-  EvidenceScore score{.ends = static_cast<int>(evidence.ends.size())};
-  int matched = 0;
-  int contradicted = 0;
-  for (std::size_t i = 0; i < kEndClasses; ++i) {
-    score.log_likelihood += static_cast<double>(kEndWeights[i]) * ends[i];
-    if (i <= kLastMatchedClass) matched += ends[i];
-    if (i >= kFirstContradictedClass && i <= kLastContradictedClass) contradicted += ends[i];
-  }
-  for (std::size_t i = 0; i < kPassClasses; ++i) {
-    score.log_likelihood += static_cast<double>(kPassWeights[i]) * passes[i];
-  }
-  const double count = std::max(1.0, static_cast<double>(evidence.ends.size()));
-  score.matched = matched / count;
-  score.contradicted = contradicted / count;
-  score.blocked = passes[static_cast<std::size_t>(PassClass::kOnWall)] /
-                  std::max(1.0, static_cast<double>(evidence.free.size()));
+  EvidenceScore score;
+  for (const Point2& p : evidence.ends)
+    ++score.end_counts[classes.end_class(column_of(p), row_of(p))];
+  for (const Point2& p : evidence.free)
+    ++score.pass_counts[classes.pass_class(column_of(p), row_of(p))];
+  summarise(score);
   return score;
 }
 

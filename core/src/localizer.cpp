@@ -118,6 +118,7 @@ struct Localizer::Impl {
   std::optional<double> last_stamp;
   std::optional<Pose2> last_T_odom_base_link;
   int stray_scans = 0;
+  bool searched = false;          ///< At this scan.
   std::size_t searched_ends = 0;  ///< Evidence at the last search of the whole map.
   double searched_way_m = 0.0;
 
@@ -140,6 +141,7 @@ struct Localizer::Impl {
     assert(!last_stamp || robot_scan.scan.stamp > *last_stamp);
     StepTimes times;
     const double begin = now();
+    searched = false;
     const std::vector<Point2> points = transformed_points(
         robot_scan.T_base_link_laser, thinned(returns_as_points(robot_scan.scan), kMatchPoints));
     move_along(robot_scan, points);
@@ -236,6 +238,7 @@ struct Localizer::Impl {
       found = std::move(candidates);
       add_places(found);
       judge(found);
+      searched = true;
       searched_ends = submap.evidence().ends.size();
       searched_way_m = way_m;
     }
@@ -297,7 +300,7 @@ struct Localizer::Impl {
     search.min_mean_weight = std::max(kMinRivalWeight, best_mean - kRivalMargin);
     for (std::size_t map = 0; map < maps.size(); ++map) {
       for (const Place& place : maps[map]->place_search().find(ends, way, search)) {
-        found.push_back({map, place.T_map_base_link * T_base_link_submap, 0, 0, {}});
+        found.push_back({map, place.T_map_base_link * T_base_link_submap});
       }
     }
   }
@@ -457,6 +460,7 @@ struct Localizer::Impl {
     answer.status = status;
     answer.reason = status == Status::kLocalized ? Reason::kNone : reason;
     answer.confidence = confidence;
+    answer.searched = searched;
     if (fix) {
       answer.pose =
           LocalizedPose{maps[fix->map], fix->T_map_submap * T_submap_base_link, covariance()};
@@ -472,8 +476,9 @@ struct Localizer::Impl {
   }
 
   [[nodiscard]] RankedHypothesis ranked(const Candidate& candidate) const {
-    return {maps[candidate.map], candidate.T_map_submap * T_submap_base_link, candidate.votes,
-            candidate.inliers, candidate.score.matched};
+    return {maps[candidate.map],     candidate.T_map_submap * T_submap_base_link,
+            candidate.votes,         candidate.inliers,
+            candidate.score.matched, candidate.score};
   }
 };
 

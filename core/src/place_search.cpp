@@ -12,14 +12,19 @@ constexpr double kCell = 0.2;    // wanted cell size [m]
 constexpr int kBorder = 160;     // cells that points may reach beyond the map proper
 constexpr int kRotations = 180;  // headings looked at: 2 deg apart
 constexpr std::size_t kMaxWayPoints = 8;
+// Weights are quantised so coarsely that a group of them can be summed in a byte.
+constexpr std::size_t kGroup = 8;
 constexpr double kLowestWeight = -1.7;  // [nat], quantised as 0
-constexpr double kStepsPerNat = 40.0;
-constexpr std::uint8_t kWayFree = 60;
-constexpr std::uint8_t kWayUnknown = 40;
+constexpr double kStepsPerNat =
+    12.0;  // the best weight, 0.85, is 31: kGroup times that is under 256
+constexpr int kHighestValue = 31;
+constexpr std::uint8_t kWayFree = 18;
+constexpr std::uint8_t kWayUnknown = 12;
 constexpr std::uint8_t kWayBlocked = 0;
 
 std::uint8_t quantised(double weight) {
-  return static_cast<std::uint8_t>(std::lround((weight - kLowestWeight) * kStepsPerNat));
+  return static_cast<std::uint8_t>(
+      std::clamp(std::lround((weight - kLowestWeight) * kStepsPerNat), 0L, long{kHighestValue}));
 }
 
 std::array<std::uint8_t, 256> end_values() {
@@ -98,6 +103,26 @@ struct PlaceSearch::Query {
 };
 
 namespace {
+
+/// sums[i] += the values of a group of points at i; the inner sum fits a byte, so the compiler
+/// takes 16 at a time.
+void add_group(std::span<const std::uint8_t*, kGroup> sources, std::size_t shift,
+               std::span<std::uint16_t> sums) {
+  static_assert(kGroup == 8);
+  const std::uint8_t* a = sources[0] + shift;
+  const std::uint8_t* b = sources[1] + shift;
+  const std::uint8_t* c = sources[2] + shift;
+  const std::uint8_t* d = sources[3] + shift;
+  const std::uint8_t* e = sources[4] + shift;
+  const std::uint8_t* f = sources[5] + shift;
+  const std::uint8_t* g = sources[6] + shift;
+  const std::uint8_t* h = sources[7] + shift;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const auto sum =
+        static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i] + e[i] + f[i] + g[i] + h[i]);
+    sums[i] = static_cast<std::uint16_t>(sums[i] + sum);
+  }
+}
 
 void append_offsets(std::vector<CellOffset>& offsets, std::span<const Point2> points,
                     const Point2& center, double yaw, double cell_m) {
@@ -199,50 +224,59 @@ PlaceSearch::Pyramid PlaceSearch::make_pyramid(std::vector<std::uint8_t> finest,
 }
 
 int PlaceSearch::bound(const Query& query, const Node& node) const {
-  const auto sum = [&](const Pyramid& pyramid, std::span<const CellOffset> offsets) {
-    const std::uint8_t* field = pyramid.levels[node.level].data();
-    const std::ptrdiff_t origin = static_cast<std::ptrdiff_t>(node.y) * width_ + node.x;
-    int total = 0;
-    for (const CellOffset offset : offsets) total += field[origin + offset.y * width_ + offset.x];
-    return total;
-  };
-  return sum(ends_, query.ends(node.rotation)) + sum(way_, query.way(node.rotation));
+  const std::ptrdiff_t origin = static_cast<std::ptrdiff_t>(node.y) * width_ + node.x;
+  int total = 0;
+  const std::uint8_t* way = way_.levels[node.level].data() + origin;
+  for (const CellOffset offset : query.way(node.rotation))
+    total += way[offset.y * width_ + offset.x];
+  const std::uint8_t* ends = ends_.levels[node.level].data() + origin;
+  std::span<const CellOffset> rest = query.ends(node.rotation);
+  while (!rest.empty()) {
+    const std::size_t count = std::min(kGroup, rest.size());
+    for (const CellOffset offset : rest.first(count)) total += ends[offset.y * width_ + offset.x];
+    rest = rest.subspan(count);
+    if (total + kHighestValue * static_cast<int>(rest.size()) < query.threshold) return 0;
+  }
+  return total;
 }
 
 void PlaceSearch::search_top(const Query& query, std::vector<Node>& open) const {
   const int block = 1 << top_level_;
-  const int blocks_x = width_ / block;
-  const int blocks_y = height_ / block;
-  const int inner_x = (inner_width_ + block - 1) / block;
-  const int inner_y = (inner_height_ + block - 1) / block;
-  std::vector<std::uint16_t> sums(static_cast<std::size_t>(inner_x) *
-                                  static_cast<std::size_t>(inner_y));
-  const auto add = [&](const Pyramid& pyramid, CellOffset offset) {
-    const int x = kBorder + offset.x;
-    const int y = kBorder + offset.y;
-    const int phase = (y % block) * block + x % block;
-    for (int row = 0; row < inner_y; ++row) {
-      const std::uint8_t* source = &pyramid.top_by_phase[static_cast<std::size_t>(
-          (phase * blocks_y + y / block + row) * blocks_x + x / block)];
-      std::uint16_t* target = &sums[static_cast<std::size_t>(row * inner_x)];
-      for (int column = 0; column < inner_x; ++column) {
-        target[column] = static_cast<std::uint16_t>(target[column] + source[column]);
-      }
+  const std::size_t blocks_x = static_cast<std::size_t>(width_ / block);
+  const std::size_t blocks_y = static_cast<std::size_t>(height_ / block);
+  const auto inner_x = static_cast<std::size_t>((inner_width_ + block - 1) / block);
+  const auto inner_y = static_cast<std::size_t>((inner_height_ + block - 1) / block);
+  // Where the row of block values of a point begins for the first row of poses.
+  std::vector<const std::uint8_t*> sources;
+  const auto add_sources = [&](const Pyramid& pyramid, std::span<const CellOffset> offsets) {
+    for (const CellOffset offset : offsets) {
+      const int x = kBorder + offset.x;
+      const int y = kBorder + offset.y;
+      const auto phase = static_cast<std::size_t>((y % block) * block + x % block);
+      const auto row = phase * blocks_y + static_cast<std::size_t>(y / block);
+      sources.push_back(
+          &pyramid.top_by_phase[row * blocks_x + static_cast<std::size_t>(x / block)]);
     }
   };
-  for (int rotation = 0; rotation < kRotations; ++rotation) {
-    std::fill(sums.begin(), sums.end(), std::uint16_t{0});
-    for (const CellOffset offset : query.ends(static_cast<std::size_t>(rotation)))
-      add(ends_, offset);
-    for (const CellOffset offset : query.way(static_cast<std::size_t>(rotation))) add(way_, offset);
-    for (int row = 0; row < inner_y; ++row) {
-      for (int column = 0; column < inner_x; ++column) {
-        const int sum = sums[static_cast<std::size_t>(row * inner_x + column)];
-        if (sum < query.threshold) continue;
-        open.push_back({sum, static_cast<std::int16_t>(kBorder + column * block),
-                        static_cast<std::int16_t>(kBorder + row * block),
-                        static_cast<std::uint8_t>(rotation),
-                        static_cast<std::uint8_t>(top_level_)});
+  const std::vector<std::uint8_t> nothing(blocks_x * blocks_y, 0);
+  std::vector<std::uint16_t> sums(inner_x);
+  for (std::size_t rotation = 0; rotation < kRotations; ++rotation) {
+    sources.clear();
+    add_sources(ends_, query.ends(rotation));
+    add_sources(way_, query.way(rotation));
+    while (sources.size() % kGroup != 0) sources.push_back(nothing.data());
+    for (std::size_t row = 0; row < inner_y; ++row) {
+      std::fill(sums.begin(), sums.end(), std::uint16_t{0});
+      for (std::size_t group = 0; group < sources.size(); group += kGroup) {
+        add_group(std::span<const std::uint8_t*, kGroup>(&sources[group], kGroup), row * blocks_x,
+                  sums);
+      }
+      for (std::size_t column = 0; column < inner_x; ++column) {
+        if (sums[column] < query.threshold) continue;
+        open.push_back(
+            {sums[column], static_cast<std::int16_t>(kBorder + static_cast<int>(column) * block),
+             static_cast<std::int16_t>(kBorder + static_cast<int>(row) * block),
+             static_cast<std::uint8_t>(rotation), static_cast<std::uint8_t>(top_level_)});
       }
     }
   }
@@ -304,6 +338,10 @@ std::vector<Place> PlaceSearch::find(std::span<const Point2> ends_base_link,
       places.push_back({T_map_grid_ * found.back(),
                         (node.bound - way_part) / (kStepsPerNat * end_count) + kLowestWeight});
       if (places.size() == params.max_places) break;
+      if (places.size() == 1)
+        query.threshold =
+            std::max(query.threshold,
+                     node.bound - static_cast<int>(params.max_mean_gap * kStepsPerNat * end_count));
       continue;
     }
     const int half = 1 << (node.level - 1);

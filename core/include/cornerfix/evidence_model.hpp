@@ -69,9 +69,11 @@ class ClassField {
 
 /// What the evidence says of one pose.
 struct EvidenceScore {
-  double log_likelihood = 0.0;  ///< Sum of the weights [nat].
-  int ends = 0;                 ///< Beam ends judged.
-  double matched = 0.0;         ///< Share of the ends within 0.15 m of a wall.
+  std::array<int, kEndClasses> end_counts{};    ///< Beam ends by class.
+  std::array<int, kPassClasses> pass_counts{};  ///< Passed places by class.
+  double log_likelihood = 0.0;                  ///< Sum of the weights [nat].
+  int ends = 0;                                 ///< Beam ends judged.
+  double matched = 0.0;                         ///< Share of the ends within 0.15 m of a wall.
   double contradicted =
       0.0;               ///< Share of the ends in known-free space, more than 0.3 m from a wall.
   double blocked = 0.0;  ///< Share of the passed places that are walls.

@@ -41,9 +41,10 @@ enum class Reason {
 struct RankedHypothesis {
   LocalizationMapPtr map;
   Pose2 T_map_base_link;
-  int votes = 0;       ///< Descriptor votes (eq. 15) behind it.
-  int inliers = 0;     ///< Correspondences that RANSAC kept (eq. 16).
-  double score = 0.0;  ///< Share of the local points that the map explains, in [0, 1].
+  int votes = 0;           ///< Descriptor votes (eq. 15) behind it.
+  int inliers = 0;         ///< Correspondences that RANSAC kept (eq. 16).
+  double score = 0.0;      ///< Share of the local points that the map explains, in [0, 1].
+  EvidenceScore evidence;  ///< What the submap's scans say of it.
 };
 
 struct LocalizedPose {
@@ -68,6 +69,7 @@ struct Answer {
   double confidence = 0.0;            ///< Probability that the best hypothesis is right, in [0, 1].
   std::vector<RankedHypothesis> hypotheses;  ///< Best first.
   Reason reason = Reason::kNone;
+  bool searched = false;     ///< Whether this scan made it look at all places of all maps.
   int local_scans = 0;       ///< Scans in the submap.
   int local_features = 0;    ///< Features of the submap.
   Pose2 T_submap_base_link;  ///< Pose at the last scan in the submap.

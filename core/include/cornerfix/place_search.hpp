@@ -19,8 +19,10 @@
 namespace cornerfix {
 
 struct PlaceSearchParams {
-  int max_points = 100;              ///< Of the ends, evenly thinned; >= 1.
-  double min_mean_weight = 0.0;      ///< Places with less a point are left out [nat].
+  int max_points = 100;          ///< Of the ends, evenly thinned; >= 1.
+  double min_mean_weight = 0.0;  ///< Places with less a point are left out [nat].
+  double max_mean_gap =
+      0.7;  ///< And places this much below the best: as rivals they do not count [nat].
   std::size_t max_places = 12;       ///< >= 1
   double distinct_distance_m = 1.0;  ///< Places nearer than this and
   double distinct_angle_rad = 0.26;  ///< turned by less than this are one.
