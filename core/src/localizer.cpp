@@ -300,7 +300,7 @@ struct Localizer::Impl {
     search.min_mean_weight = std::max(kMinRivalWeight, best_mean - kRivalMargin);
     for (std::size_t map = 0; map < maps.size(); ++map) {
       for (const Place& place : maps[map]->place_search().find(ends, way, search)) {
-        found.push_back({map, place.T_map_base_link * T_base_link_submap});
+        found.push_back({map, place.T_map_base_link * T_base_link_submap, 0, 0, {}});
       }
     }
   }
