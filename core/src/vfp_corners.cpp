@@ -138,7 +138,10 @@ std::optional<Error> validate(const VfpParams& params) {
   };
   const auto is_length = [](double value) { return value > 0.0 && std::isfinite(value); };
   constexpr const char* kLength = "must be a finite length in metres above 0";
-  if (auto error = validate(params.segments)) return error;
+  if (auto error = validate(params.segments)) {
+    error->field = "segments." + error->field;
+    return error;
+  }
   if (params.window < 1) return broken("window", "must be at least 1");
   if (!(params.min_score >= 0.0)) return broken("min_score", "must not be negative");
   if (!is_length(params.neighbor_distance_m)) return broken("neighbor_distance_m", kLength);

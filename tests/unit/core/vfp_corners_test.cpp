@@ -280,7 +280,7 @@ TEST(VfpParams, RunFromTheFineToTheCoarseSet) {
 
 TEST(VfpParams, NameTheBrokenLimit) {
   EXPECT_FALSE(validate(VfpParams{}));
-  EXPECT_EQ(validate(VfpParams{.segments = {.gap_m = -1.0}})->field, "gap_m");
+  EXPECT_EQ(validate(VfpParams{.segments = {.gap_m = -1.0}})->field, "segments.gap_m");
   EXPECT_EQ(validate(VfpParams{.window = 0})->field, "window");
   EXPECT_EQ(validate(VfpParams{.min_score = -1.0})->field, "min_score");
   EXPECT_EQ(validate(VfpParams{.neighbor_distance_m = 0.0})->field, "neighbor_distance_m");
