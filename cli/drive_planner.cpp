@@ -15,7 +15,7 @@ namespace cornerfix::cli {
 
 namespace {
 
-constexpr double kLatticeSpacing = 0.2;     ///< [m] between neighbours of the lattice.
+constexpr double kLatticeSpacing = 0.1;     ///< [m] between neighbours of the lattice.
 constexpr double kSmoothingReserve = 0.05;  ///< [m] the lattice keeps beyond the wanted clearance.
 constexpr double kSeenRadius = 2.0;         ///< [m] about the way counts as visited.
 constexpr double kMinLegLength = 5.0;       ///< [m] to the next goal, where the space allows.

@@ -14,7 +14,7 @@ struct DrivePlanOptions {
   double length_m = 300.0;     ///< Of the whole way; > 0.
   double step_m = 0.08;        ///< Between poses; > 0.
   double max_turn_rad = 0.15;  ///< Between poses; more is turned on the spot; > 0.
-  double clearance_m = 0.35;   ///< Kept to all that is not free; > 0.
+  double clearance_m = 0.28;   ///< Kept to all that is not free, so that doors can be passed; > 0.
   std::uint64_t seed = 1;      ///< Same seed and maps give the same way.
 };
 
