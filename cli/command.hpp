@@ -16,6 +16,8 @@ int fail(const Error& error);
 
 // Each adds its command to `app`. Parsing a command line runs its command, which leaves its exit
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.
+void add_map_command(CLI::App& app, int& exit_code);
+void add_replay_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);
 
 }  // namespace cornerfix::cli

@@ -13,6 +13,8 @@ int run_command_line(int argc, const char* const* argv) {
   app.fallthrough(false);
   app.footer("Exit codes: 0 done, 1 it could not, 2 wrong use.");
   int exit_code = kDone;
+  add_map_command(app, exit_code);
+  add_replay_command(app, exit_code);
   add_simulate_command(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/map_build.hpp"
+#include "cli/server_connection.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+struct MapArguments {
+  ConnectionOptions connection;
+  std::string name;
+};
+
+std::string path_of(const std::string& map) { return "/v1/maps/" + percent_encode(map); }
+
+std::string text(const nlohmann::json& object, const char* key) {
+  const auto member = object.find(key);
+  if (member == object.end() || member->is_null()) return "-";
+  return member->is_string() ? member->get<std::string>() : member->dump();
+}
+
+/// "58.2 x 47.3 m", or "-" for a map without content.
+std::string size_text(const nlohmann::json& map) {
+  const auto bounds = map.find("bounds");
+  if (bounds == map.end() || !bounds->is_object()) return "-";
+  char out[64];
+  std::snprintf(out, sizeof out, "%.1f x %.1f m",
+                bounds->value("max_x", 0.0) - bounds->value("min_x", 0.0),
+                bounds->value("max_y", 0.0) - bounds->value("min_y", 0.0));
+  return out;
+}
+
+/// Columns as wide as their widest entry, two blanks between them.
+void print_table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i] + std::string(widths[i] - row[i].size() + 2, ' ');
+    }
+    std::printf("%s\n", line.substr(0, line.find_last_not_of(' ') + 1).c_str());
+  }
+}
+
+int list_maps(const ConnectionOptions& options) {
+  Result<ServerConnection> server = ServerConnection::open(options);
+  if (!server) return fail(server.error());
+  std::vector<std::vector<std::string>> rows = {
+      {"NAME", "REVISION", "KEY FRAMES", "FEATURES", "SIZE", "UPDATED"}};
+  std::string page_token;
+  do {
+    const std::string query = page_token.empty() ? "" : "?page_token=" + percent_encode(page_token);
+    const Result<nlohmann::json> page = server->call({"GET", "/v1/maps" + query});
+    if (!page) return fail(page.error());
+    if (server->is_printing()) return kDone;
+    for (const auto& map : page->value("maps", nlohmann::json::array())) {
+      rows.push_back({text(map, "name"), text(map, "revision"), text(map, "keyframes"),
+                      text(map, "features"), size_text(map), text(map, "updated")});
+    }
+    const auto next = page->find("next_page_token");
+    page_token = next != page->end() && next->is_string() ? next->get<std::string>() : "";
+  } while (!page_token.empty());
+  print_table(rows);
+  return kDone;
+}
+
+int show_map(const MapArguments& arguments) {
+  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  if (!server) return fail(server.error());
+  const Result<nlohmann::json> map = server->call({"GET", path_of(arguments.name)});
+  if (!map) return fail(map.error());
+  if (!server->is_printing()) std::printf("%s\n", map->dump(2).c_str());
+  return kDone;
+}
+
+int delete_map(const MapArguments& arguments) {
+  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  if (!server) return fail(server.error());
+  const Result<nlohmann::json> answer = server->call({"DELETE", path_of(arguments.name)});
+  if (!answer) return fail(answer.error());
+  if (!server->is_printing()) std::printf("%s: deleted\n", arguments.name.c_str());
+  return kDone;
+}
+
+using MapFunction = int (*)(const MapArguments&);
+
+void add_named_command(CLI::App& map, const char* name, const char* help, MapFunction function,
+                       int& exit_code) {
+  auto arguments = std::make_shared<MapArguments>();
+  CLI::App* command = map.add_subcommand(name, help);
+  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, function, &exit_code] { exit_code = function(*arguments); });
+}
+
+void add_list_command(CLI::App& map, int& exit_code) {
+  auto options = std::make_shared<ConnectionOptions>();
+  CLI::App* command = map.add_subcommand("list", "List the server's maps");
+  add_connection_options(*command, *options);
+  command->callback([options, &exit_code] { exit_code = list_maps(*options); });
+}
+
+void add_build_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapBuildArguments>();
+  CLI::App* command =
+      map.add_subcommand("build", "Make a map from a log with poses, or let a map grow by it");
+  command->footer(
+      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs; its poses must be corrected ones),"
+      "\nalso with .gz. Where a log marks key scans, only those make the map. Scans that the map "
+      "has"
+      "\nalready are skipped, so the same log may be sent again.");
+  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  command->add_option("LOG", arguments->log, "Recorded drive")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--split", arguments->split, "Use this first share of the log only")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--stride", arguments->stride, "Use every n-th scan")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, &exit_code] { exit_code = run_map_build(*arguments); });
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, int& exit_code) {
+  CLI::App* map = app.add_subcommand("map", "Make, list, show and delete maps");
+  map->require_subcommand(1);
+  add_build_command(*map, exit_code);
+  add_list_command(*map, exit_code);
+  add_named_command(*map, "show", "Show what the server knows of a map", show_map, exit_code);
+  add_named_command(*map, "delete", "Delete a map", delete_map, exit_code);
+}
+
+}  // namespace cornerfix::cli

@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/evaluation.hpp"
+#include "cli/log_position.hpp"
+#include "cli/scan_json.hpp"
+#include "cli/server_connection.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+struct ReplayArguments {
+  ConnectionOptions connection;
+  std::string log;
+  std::string map;
+  std::string robot = "replay";
+  LogPosition from;
+  double split = 0.0;
+  std::size_t batch = 5;
+  double rate = 0.0;
+  double track_m = 5.0;
+  bool no_odometry = false;
+  bool keep_session = false;
+};
+
+/// The way from one scan to the next, by the reference poses or else by odometry [m].
+double way_between(const LogScan& from, const LogScan& to) {
+  if (from.T_map_laser && to.T_map_laser) return distance(*from.T_map_laser, *to.T_map_laser);
+  if (from.T_odom_laser && to.T_odom_laser) return distance(*from.T_odom_laser, *to.T_odom_laser);
+  return 0.0;
+}
+
+double way_along(std::span<const LogScan> scans) {
+  double way = 0.0;
+  for (std::size_t i = 1; i < scans.size(); ++i) way += way_between(scans[i - 1], scans[i]);
+  return way;
+}
+
+std::string pose_text(const Pose2& pose) {
+  char text[96];
+  std::snprintf(text, sizeof text, "x %.2f m, y %.2f m, yaw %.1f deg", pose.x, pose.y,
+                pose.yaw * kDegreesPerRadian);
+  return text;
+}
+
+std::string error_text(const Pose2& pose, const Pose2& truth) {
+  char text[96];
+  std::snprintf(text, sizeof text, "error %.2f m, %.1f deg", distance(pose, truth),
+                angle_between(pose, truth) * kDegreesPerRadian);
+  return text;
+}
+
+std::string reason_text(const nlohmann::json& answer) {
+  const auto reason = answer.find("reason");
+  std::string text =
+      reason != answer.end() && reason->is_string() ? reason->get<std::string>() : "";
+  const std::size_t places = answer.value("hypotheses", nlohmann::json::array()).size();
+  if (answer.value("status", "") == "ambiguous" && places > 0) {
+    if (!text.empty()) text += ", ";
+    text += std::to_string(places) + " places";
+  }
+  return text;
+}
+
+/// What is printed when the status changes: seconds, metres, status, then the pose beside the true
+/// one, or why there is none.
+void print_change(const nlohmann::json& answer, double seconds, double way, const LogScan& last) {
+  std::printf("%8.1f s %7.2f m  %-10s", seconds, way, answer.value("status", "?").c_str());
+  const auto pose_member = answer.find("pose");
+  const auto pose = pose_member == answer.end() ? std::nullopt : pose_from_json(*pose_member);
+  if (!pose) {
+    std::printf("  %s\n", reason_text(answer).c_str());
+  } else {
+    std::printf("  %s: %s (confidence %.3f)\n", pose_member->value("map", "?").c_str(),
+                pose_text(*pose).c_str(), answer.value("confidence", 0.0));
+    if (last.T_map_laser) {
+      std::printf("%33s%s; %s\n", "true: ", pose_text(*last.T_map_laser).c_str(),
+                  error_text(*pose, *last.T_map_laser).c_str());
+    }
+  }
+  std::fflush(stdout);
+}
+
+/// One robot: a session that posts a log's scans batch by batch.
+class Robot {
+ public:
+  Robot(const ReplayArguments& arguments, const LogHeader& header, ServerConnection& server)
+      : arguments_(arguments), header_(header), server_(server) {}
+
+  Result<void> switch_on() {
+    nlohmann::ordered_json body = {{"robot", arguments_.robot}, {"map", nullptr}};
+    if (!arguments_.map.empty()) body["map"] = arguments_.map;
+    body["lidar"] = lidar_json(header_);
+    const auto answer =
+        server_.call({"POST", "/v1/sessions", body.dump(), /*creates_session=*/true});
+    if (!answer) return answer.error();
+    session_ = server_.is_printing() ? std::string(kSessionVariable)
+                                     : percent_encode(answer->value("id", ""));
+    return {};
+  }
+
+  Result<nlohmann::json> post(std::span<const LogScan> batch) {
+    auto scans = nlohmann::ordered_json::array();
+    for (const LogScan& scan : batch) {
+      scans.push_back(robot_scan_json(scan, !arguments_.no_odometry));
+    }
+    const nlohmann::ordered_json body = {{"sequence", sequence_++}, {"scans", std::move(scans)}};
+    return server_.call({"POST", "/v1/sessions/" + session_ + "/scans", body.dump()});
+  }
+
+  Result<void> switch_off() {
+    const auto answer = server_.call({"DELETE", "/v1/sessions/" + session_});
+    if (!answer) return answer.error();
+    return {};
+  }
+
+ private:
+  const ReplayArguments& arguments_;
+  const LogHeader& header_;
+  ServerConnection& server_;
+  std::string session_;
+  std::size_t sequence_ = 0;
+};
+
+/// Lets log time pass at `rate` times its own speed.
+class Pace {
+ public:
+  explicit Pace(double rate) : rate_(rate), start_(std::chrono::steady_clock::now()) {}
+
+  void wait_until(double log_seconds) const {
+    if (rate_ <= 0.0) return;
+    std::this_thread::sleep_until(start_ + std::chrono::duration<double>(log_seconds / rate_));
+  }
+
+ private:
+  double rate_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+/// True when the robot knows where it is at the end: of the log, or some way after its first fix.
+Result<bool> drive(Robot& robot, const ReplayArguments& arguments, std::span<const LogScan> scans,
+                   bool is_printing) {
+  const Pace pace(is_printing ? 0.0 : arguments.rate);
+  std::string status;
+  std::optional<double> fixed_at_m;
+  double way = 0.0;
+  for (std::size_t at = 0; at < scans.size(); at += arguments.batch) {
+    const auto batch = scans.subspan(at, std::min(arguments.batch, scans.size() - at));
+    const double seconds = batch.back().scan.stamp - scans.front().scan.stamp;
+    if (at > 0) way += way_between(scans[at - 1], scans[at]);
+    way += way_along(batch);
+    pace.wait_until(seconds);
+    const Result<nlohmann::json> answer = robot.post(batch);
+    if (!answer) return answer.error();
+    if (is_printing) continue;
+    const std::string now = answer->value("status", "");
+    if (now != status) print_change(*answer, seconds, way, batch.back());
+    status = now;
+    if (!fixed_at_m && status == "localized") fixed_at_m = way;
+    if (fixed_at_m && way >= *fixed_at_m + arguments.track_m) {
+      print_change(*answer, seconds, way, batch.back());
+      break;
+    }
+  }
+  return status == "localized";
+}
+
+int run_replay(const ReplayArguments& arguments) {
+  const Result<RecordedLog> log = read_log(arguments.log);
+  if (!log) return fail(log.error());
+  const std::size_t first = split_index(*log, arguments.split);
+  const auto scans = scans_from(std::span(log->scans).subspan(first), arguments.from);
+  if (scans.empty()) {
+    return fail({ErrorCode::kInvalidArgument, "holds no scan from there on", arguments.log});
+  }
+  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  if (!server) return fail(server.error());
+  Robot robot(arguments, log->header, *server);
+  const Result<void> on = robot.switch_on();
+  if (!on) return fail(on.error());
+  const Result<bool> localized = drive(robot, arguments, scans, server->is_printing());
+  if (!arguments.keep_session) {
+    const Result<void> off = robot.switch_off();
+    if (localized && !off) return fail(off.error());
+  }
+  if (!localized) return fail(localized.error());
+  return *localized || server->is_printing() ? kDone : kCouldNot;
+}
+
+void add_options(CLI::App& command, ReplayArguments& arguments) {
+  command.add_option("LOG", arguments.log, "Recorded drive: .jsonl, .log, .clf, .gfs, also .gz")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)");
+  command.add_option("--robot", arguments.robot, "Name of the robot")->capture_default_str();
+  command
+      .add_option("--split", arguments.split,
+                  "Leave out this first share of the log: it made the map")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--from",
+          [&arguments](const std::string& text) {
+            const auto from = parse_log_position(text);
+            if (!from) throw CLI::ValidationError("--from", "expected a number, or one with s");
+            arguments.from = *from;
+          },
+          "Switch the robot on at this scan (120), or after this time (30s)")
+      ->type_name("N|Ns");
+  command.add_option("--batch", arguments.batch, "Scans a request, 1 to 100")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command.add_option("--rate", arguments.rate, "Times the speed of the log; 0 as fast as it goes")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--track", arguments.track_m, "Metres to drive on after the first fix")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_flag("--no-odom", arguments.no_odometry, "Post no odometry");
+  command.add_flag("--keep-session", arguments.keep_session,
+                   "Leave the session on the server, for the inspector to show");
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ReplayArguments>();
+  CLI::App* command = app.add_subcommand(
+      "replay", "Be a robot: post a log's scans and print each change of what the server answers");
+  command->footer(
+      "Prints log time, way, status, and the pose beside the true one where the log has it.\n"
+      "Ends some way after the first fix or with the log; exit code 0 when localized then, else "
+      "1.");
+  add_options(*command, *arguments);
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, &exit_code] { exit_code = run_replay(*arguments); });
+}
+
+}  // namespace cornerfix::cli

@@ -1,0 +1,60 @@
+#include "cli/scan_json.hpp"
+
+#include <cmath>
+
+namespace cornerfix::cli {
+
+namespace {
+
+/// Tenths of a millimetre: below what any lidar knows, and half the text of a float in full.
+nlohmann::ordered_json range_json(const LaserScan& scan, std::size_t beam) {
+  if (!scan.has_return(beam)) return nullptr;
+  return std::round(static_cast<double>(scan.ranges[beam]) * 1e4) / 1e4;
+}
+
+nlohmann::ordered_json scan_json(const LaserScan& scan) {
+  auto ranges = nlohmann::ordered_json::array();
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    ranges.push_back(range_json(scan, beam));
+  }
+  return {{"stamp", scan.stamp}, {"ranges", std::move(ranges)}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json pose_json(const Pose2& pose) {
+  return {{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}};
+}
+
+nlohmann::ordered_json lidar_json(const LogHeader& header) {
+  return {{"angle_min", header.lidar.angle_min},
+          {"angle_increment", header.lidar.angle_increment},
+          {"range_min", header.lidar.range_min},
+          {"range_max", header.lidar.range_max},
+          {"beams", header.beams}};
+}
+
+nlohmann::ordered_json posed_scan_json(const LogScan& scan) {
+  nlohmann::ordered_json json = scan_json(scan.scan);
+  json["pose"] = pose_json(*scan.T_map_laser);
+  return json;
+}
+
+nlohmann::ordered_json robot_scan_json(const LogScan& scan, bool with_odometry) {
+  nlohmann::ordered_json json = scan_json(scan.scan);
+  if (with_odometry && scan.T_odom_laser) json["odom"] = pose_json(*scan.T_odom_laser);
+  return json;
+}
+
+std::optional<Pose2> pose_from_json(const nlohmann::json& json) {
+  if (!json.is_object()) return std::nullopt;
+  const auto number = [&](const char* key) {
+    const auto member = json.find(key);
+    return member != json.end() && member->is_number() ? member->get<double>() : NAN;
+  };
+  const Pose2 pose{number("x"), number("y"), number("yaw")};
+  if (std::isnan(pose.x) || std::isnan(pose.y) || std::isnan(pose.yaw)) return std::nullopt;
+  return pose;
+}
+
+}  // namespace cornerfix::cli

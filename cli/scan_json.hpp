@@ -1,0 +1,23 @@
+/// \file  Lidars, scans and poses as the HTTP API takes them. Logs know the laser only, so it is
+/// posted as base_link with the laser mounted at its origin.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cli/log_reader.hpp"
+
+namespace cornerfix::cli {
+
+[[nodiscard]] nlohmann::ordered_json pose_json(const Pose2& pose);
+[[nodiscard]] nlohmann::ordered_json lidar_json(const LogHeader& header);
+
+/// With the scan's reference pose, for mapping.
+[[nodiscard]] nlohmann::ordered_json posed_scan_json(const LogScan& scan);
+/// With odometry where there is any and it is wanted, as a robot posts it.
+[[nodiscard]] nlohmann::ordered_json robot_scan_json(const LogScan& scan, bool with_odometry);
+
+/// An {x, y, yaw} object, or nothing.
+[[nodiscard]] std::optional<Pose2> pose_from_json(const nlohmann::json& json);
+
+}  // namespace cornerfix::cli
