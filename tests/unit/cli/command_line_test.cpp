@@ -1,0 +1,251 @@
+#include "cli/command_line.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "unit/cli/fake_server.hpp"
+#include "unit/cli/temporary_directory.hpp"
+
+namespace cornerfix::cli {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome run(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "cornerfix");
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.exit_code = run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+constexpr const char* kHeader =
+    R"({"name": "walk", "beams": 2, "angle_min": 0, "angle_increment": 1, )"
+    R"("range_min": 0.1, "range_max": 9})"
+    "\n";
+
+/// Scans a metre apart; the poses of key scans only where they are marked.
+std::string walk(int scans, bool with_key_scans = false) {
+  std::string text = kHeader;
+  for (int i = 0; i < scans; ++i) {
+    const std::string number = std::to_string(i);
+    text += R"({"t": )" + number + R"(, "ranges": [1, null], "odom": [)" + number +
+            R"(, 0, 0], "pose": [)" + number + ", 0, 0]" +
+            (with_key_scans && i % 3 == 0 ? R"(, "kf": 1)" : "") + "}\n";
+  }
+  return text;
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  TemporaryDirectory directory_;
+};
+
+TEST_F(CommandLine, EndsWrongUseWithTwo) {
+  const std::string log = directory_.write("a.jsonl", walk(3)).string();
+  const std::string map = directory_.write("map.yaml", "").string();
+  const std::vector<std::vector<const char*>> wrong = {
+      {},
+      {"dance"},
+      {"map"},
+      {"map", "build"},
+      {"map", "build", "a"},
+      {"map", "build", "a", "/no/such/log.jsonl"},
+      {"map", "build", "a", log.c_str(), "--split", "2"},
+      {"map", "build", "a", log.c_str(), "--stride", "0"},
+      {"map", "show"},
+      {"replay"},
+      {"replay", log.c_str(), "--batch", "101"},
+      {"replay", log.c_str(), "--from", "soon"},
+      {"replay", log.c_str(), "--quickly"},
+      {"simulate", map.c_str()},
+      {"simulate", map.c_str(), "out.jsonl", "--beams", "1"},
+      {"simulate", map.c_str(), "out.jsonl", "--fov", "400"},
+      {"simulate", "/no/such/map.yaml", "out.jsonl"},
+  };
+  for (const auto& arguments : wrong) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err, "");
+  }
+}
+
+TEST_F(CommandLine, EndsHelpWithZero) {
+  for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+           {"--help"}, {"map", "--help"}, {"map", "build", "--help"}, {"replay", "--help"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.out, HasSubstr("Usage:"));
+  }
+}
+
+TEST_F(CommandLine, EndsWithOneWhatItCouldNotDo) {
+  const std::string map = directory_.write("map.yaml", "resolution: 1").string();
+  const Outcome outcome = run({"simulate", map.c_str(), "out.jsonl"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("image: missing"));
+}
+
+TEST_F(CommandLine, ListsMapsOverAllPages) {
+  FakeServer server([](const FakeRequest& request) {
+    if (request.path == "/v1/maps") {
+      return FakeAnswer{200, R"({"maps": [{"name": "attic", "revision": 3, "keyframes": 10,
+          "features": 20, "bounds": {"min_x": -1, "min_y": 0, "max_x": 4, "max_y": 2.5},
+          "updated": "2024-01-02T03:04:05Z"}], "next_page_token": "attic"})"};
+    }
+    EXPECT_EQ(request.path, "/v1/maps?page_token=attic");
+    return FakeAnswer{200, R"({"maps": [{"name": "cellar", "revision": 1, "bounds": null}],
+        "next_page_token": null})"};
+  });
+  const Outcome outcome = run({"map", "list", "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out,
+            "NAME    REVISION  KEY FRAMES  FEATURES  SIZE         UPDATED\n"
+            "attic   3         10          20        5.0 x 2.5 m  2024-01-02T03:04:05Z\n"
+            "cellar  1         -           -         -            -\n");
+}
+
+TEST_F(CommandLine, SaysWhatTheServerSaysOfAnUnknownMap) {
+  FakeServer server([](const FakeRequest&) {
+    return FakeAnswer{404, R"({"title": "Not found", "detail": "there is no map attic"})"};
+  });
+  const Outcome outcome = run({"map", "delete", "attic", "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err, "cornerfix: DELETE /v1/maps/attic: 404 there is no map attic\n");
+}
+
+TEST_F(CommandLine, BuildsAMapInBatchesOfFifty) {
+  const std::string log = directory_.write("walk.jsonl", walk(130)).string();
+  FakeServer server([](const FakeRequest&) {
+    return FakeAnswer{200, R"({"accepted": 40, "duplicates": 10, "keyframes": 7, "features": 5,
+        "revision": 9})"};
+  });
+  const Outcome outcome =
+      run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out,
+            "attic: 130 scans (30 there already), 7 key frames, 5 features, revision 9\n");
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 4U);
+  EXPECT_EQ(requests[0].method + " " + requests[0].path, "PUT /v1/maps/attic");
+  EXPECT_EQ(requests[1].method + " " + requests[1].path, "POST /v1/maps/attic/scans");
+  const auto last = nlohmann::json::parse(requests[3].body);
+  EXPECT_EQ(last["scans"].size(), 30U);
+  EXPECT_EQ(last["lidar"]["beams"], 2);
+  EXPECT_EQ(last["scans"][29], nlohmann::json::parse(R"({"stamp": 129.0, "ranges": [1.0, null],
+      "pose": {"x": 129.0, "y": 0.0, "yaw": 0.0}})"));
+}
+
+TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
+  const std::string log = directory_.write("walk.jsonl", walk(12, true)).string();
+  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, "{}"}; });
+  const Outcome outcome = run(
+      {"map", "build", "attic", log.c_str(), "--split", "0.5", "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 2U);
+  const auto scans = nlohmann::json::parse(requests[1].body)["scans"];
+  ASSERT_EQ(scans.size(), 2U);  // 0 and 3 of the first six.
+  EXPECT_EQ(scans[1]["stamp"], 3.0);
+}
+
+/// A server that finds the robot at the third batch.
+FakeAnswer find_at_third_batch(const FakeRequest& request) {
+  if (request.path == "/v1/sessions") return {201, R"({"id": "s-1", "robot": "replay"})"};
+  if (request.method == "DELETE") return {204, ""};
+  const auto sequence = nlohmann::json::parse(request.body)["sequence"].get<int>();
+  if (sequence < 2) {
+    return {200, R"({"status": "collecting", "reason": "few_features", "pose": null})"};
+  }
+  return {200, R"({"status": "localized", "confidence": 0.99, "reason": null,
+      "pose": {"map": "attic", "x": 5.1, "y": 0.0, "yaw": 0.0}})"};
+}
+
+TEST_F(CommandLine, ReplaysUntilSomeWayAfterTheFix) {
+  const std::string log = directory_.write("walk.jsonl", walk(40)).string();
+  FakeServer server(find_at_third_batch);
+  const Outcome outcome = run({"replay", log.c_str(), "--map", "attic", "--batch", "2", "--track",
+                               "3", "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("collecting  few_features"));
+  EXPECT_THAT(outcome.out, HasSubstr("attic: x 5.10 m, y 0.00 m, yaw 0.0 deg (confidence 0.990)"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("true: x 5.00 m, y 0.00 m, yaw 0.0 deg; error 0.10 m, 0.0 deg"));
+  const auto requests = server.requests();
+  // Switched on, three batches to the fix at 5 m, two more to 9 m, switched off.
+  ASSERT_EQ(requests.size(), 7U);
+  EXPECT_EQ(nlohmann::json::parse(requests[0].body)["map"], "attic");
+  EXPECT_EQ(requests[5].path, "/v1/sessions/s-1/scans");
+  const auto batch = nlohmann::json::parse(requests[5].body);
+  EXPECT_EQ(batch["sequence"], 4);
+  EXPECT_EQ(batch["scans"][1]["odom"]["x"], 9.0);
+  EXPECT_EQ(requests[6].method + " " + requests[6].path, "DELETE /v1/sessions/s-1");
+}
+
+TEST_F(CommandLine, ReplayEndsWithOneWhenTheLogEndsFirst) {
+  const std::string log = directory_.write("walk.jsonl", walk(4)).string();
+  FakeServer server(find_at_third_batch);
+  const Outcome outcome =
+      run({"replay", log.c_str(), "--batch", "2", "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+}
+
+TEST_F(CommandLine, ReplayStartsWhereItIsTold) {
+  const std::string log = directory_.write("walk.jsonl", walk(20)).string();
+  const std::vector<std::pair<std::vector<const char*>, double>> first_stamps = {
+      {{}, 0.0},
+      {{"--from", "7"}, 7.0},
+      {{"--from", "2.5s"}, 3.0},
+      {{"--split", "0.5"}, 10.0},
+      {{"--split", "0.5", "--from", "4"}, 14.0}};
+  for (const auto& [options, stamp] : first_stamps) {
+    FakeServer server(find_at_third_batch);
+    const std::string url = server.url();
+    std::vector<const char*> arguments = {"replay", log.c_str(), "--no-odom", "--server",
+                                          url.c_str()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    run(arguments);
+    const auto scans = nlohmann::json::parse(server.requests()[1].body)["scans"];
+    EXPECT_EQ(scans[0]["stamp"], stamp);
+    EXPECT_FALSE(scans[0].contains("odom"));
+  }
+}
+
+TEST_F(CommandLine, PrintsCurlLinesInsteadOfSending) {
+  const std::string log = directory_.write("walk.jsonl", walk(3)).string();
+  for (const std::vector<const char*>& arguments :
+       std::vector<std::vector<const char*>>{{"map", "list"},
+                                             {"map", "show", "a"},
+                                             {"map", "delete", "a"},
+                                             {"map", "build", "a", log.c_str()},
+                                             {"replay", log.c_str()}}) {
+    FakeServer server([](const FakeRequest&) { return FakeAnswer{200, "{}"}; });
+    const std::string url = server.url();
+    std::vector<const char*> printing = arguments;
+    printing.insert(printing.end(), {"--print-curl", "--server", url.c_str()});
+    const Outcome outcome = run(printing);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(server.requests().empty());
+    std::istringstream lines(outcome.out);
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_THAT(line, HasSubstr("curl -sS --fail-with-body"));
+      EXPECT_THAT(line, HasSubstr(url + "/v1/"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cornerfix::cli
