@@ -78,6 +78,8 @@ class Inspector {
       this.#notice('server', `The server does not answer: ${error.message}`);
       return;
     }
+    // With one robot there is nothing to choose.
+    if (!this.#chosen.session && this.#sessions.length === 1) this.#goTo({ session: this.#sessions[0].id });
     const session = this.#session();
     if (!this.#answer && session?.last_answer) this.#take(session.last_answer);
     if (!this.#chosen.map && this.#maps.length) this.#goTo({ map: session?.map ?? this.#maps[0].name });
