@@ -1,0 +1,371 @@
+#include "api/requests.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "unit/api/scan_text.hpp"
+
+namespace cornerfix::api {
+namespace {
+
+using testing::ElementsAre;
+using testing::FloatEq;
+using testing::NanSensitiveFloatEq;
+
+constexpr double kPi = std::numbers::pi;
+const float kNoReturn = std::numeric_limits<float>::quiet_NaN();
+
+/// The request, or a failed test that tells the problem.
+template <typename Request>
+Request taken(Parsed<Request> parsed) {
+  if (const auto* problem = std::get_if<Problem>(&parsed)) {
+    ADD_FAILURE() << render(*problem);
+    return {};
+  }
+  return std::get<Request>(std::move(parsed));
+}
+
+SessionScansRequest session_scans(const std::string& scans) {
+  return taken(
+      parse_session_scans(session_batch(scans), BodyFormat::kJson, three_beam_lidar(), {}));
+}
+
+TEST(SessionScans, HaveTheLidarsGeometryAndTheirOwnValues) {
+  Lidar lidar = three_beam_lidar();
+  lidar.T_base_link_laser = {0.2, 0.0, kPi};
+  const auto request = taken(parse_session_scans(
+      R"({"sequence": 7, "scans": [{"stamp": 12.5, "ranges": [1, 2.5, 3],
+                                    "odom": {"x": 1, "y": -2, "yaw": 0.5}}]})",
+      BodyFormat::kJson, lidar, {}));
+  EXPECT_EQ(request.sequence, 7U);
+  ASSERT_EQ(request.scans.size(), 1U);
+  const RobotScan& scan = request.scans[0];
+  EXPECT_EQ(scan.scan.stamp, 12.5);
+  EXPECT_EQ(scan.scan.angle_min, -1.0);
+  EXPECT_EQ(scan.scan.angle_increment, 0.5);
+  EXPECT_EQ(scan.scan.range_min, 0.1);
+  EXPECT_EQ(scan.scan.range_max, 10.0);
+  EXPECT_THAT(scan.scan.ranges, ElementsAre(1.0F, 2.5F, 3.0F));
+  EXPECT_EQ(scan.T_base_link_laser, (Pose2{0.2, 0.0, kPi}));
+  EXPECT_EQ(scan.T_odom_base_link, (Pose2{1.0, -2.0, 0.5}));
+}
+
+TEST(SessionScans, TakeNullAndNumbersBeyondTheLimitsAsNoReturn) {
+  const auto request = session_scans(R"({"stamp": 1, "ranges": [null, 1e999, -1e999]},
+                                        {"stamp": 2, "ranges": [1e300, 0.05, -3]})");
+  ASSERT_EQ(request.scans.size(), 2U);
+  for (const RobotScan& scan : request.scans) {
+    for (std::size_t beam = 0; beam < 3; ++beam) EXPECT_FALSE(scan.scan.has_return(beam));
+  }
+}
+
+TEST(SessionScans, TakeNumbersInAnyNotation) {
+  const auto request = session_scans(
+      R"({"stamp": 1.2e3, "ranges": [1E0, 0.25e1, 3.000000000000000000000000000000000001]})");
+  EXPECT_EQ(request.scans.at(0).scan.stamp, 1200.0);
+  EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.5F, 3.0F));
+}
+
+TEST(SessionScans, TakeIntegersThatNoMachineTypeHolds) {
+  const auto request = session_scans(R"({"stamp": 1, "ranges": [100000000000000000000000, 2, 3]})");
+  EXPECT_FALSE(request.scans.at(0).scan.has_return(0));
+  EXPECT_TRUE(request.scans.at(0).scan.has_return(1));
+}
+
+TEST(SessionScans, WrapTheYawOfOdometry) {
+  const auto request = session_scans(
+      R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {"x": 0, "y": 0, "yaw": -3.141592653589793}},
+         {"stamp": 2, "ranges": [1, 2, 3], "odom": {"x": 0, "y": 0, "yaw": 7}})");
+  EXPECT_DOUBLE_EQ(request.scans.at(0).T_odom_base_link->yaw, kPi);
+  EXPECT_DOUBLE_EQ(request.scans.at(1).T_odom_base_link->yaw, 7.0 - 2.0 * kPi);
+}
+
+TEST(SessionScans, TakeNullOdometryAsNone) {
+  const auto request = session_scans(R"({"stamp": 1, "ranges": [1, 2, 3], "odom": null})");
+  EXPECT_FALSE(request.scans.at(0).T_odom_base_link.has_value());
+}
+
+TEST(SessionScans, IgnoreUnknownMembersWhateverTheyHold) {
+  const auto request = taken(parse_session_scans(
+      R"({"sequence": 0, "client": {"v": [1, {"ranges": ["x"]}]}, "scans": [
+          {"stamp": 1, "ranges": [1, 2, 3], "intensities": [1, "x", {"y": [null]}], "seq": {}}]})",
+      BodyFormat::kJson, three_beam_lidar(), {}));
+  EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F, 3.0F));
+}
+
+TEST(SessionScans, TakeMembersInAnyOrderAndEscapedNames) {
+  const auto request = taken(
+      parse_session_scans(R"({"scans": [{"rang\u0065s": [1, 2, 3], "stamp": 4}], "sequence": 3.0})",
+                          BodyFormat::kJson, three_beam_lidar(), {}));
+  EXPECT_EQ(request.sequence, 3U);
+  EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F, 3.0F));
+}
+
+TEST(SessionScans, TakeARos1LaserScanAsRosbridgeSendsIt) {
+  const auto request = session_scans(R"({
+      "header": {"seq": 9, "stamp": {"secs": 1284, "nsecs": 250000000}, "frame_id": "laser"},
+      "angle_min": -0.5, "angle_max": 0.5, "angle_increment": 0.25, "time_increment": 0.0,
+      "scan_time": 0.1, "range_min": 0.2, "range_max": 30.0,
+      "ranges": [1.5, null, 2.5], "intensities": [10, 20, 30]})");
+  const LaserScan& scan = request.scans.at(0).scan;
+  EXPECT_DOUBLE_EQ(scan.stamp, 1284.25);
+  EXPECT_EQ(scan.angle_min, -0.5);
+  EXPECT_EQ(scan.angle_increment, 0.25);
+  EXPECT_EQ(scan.range_min, 0.2);
+  EXPECT_EQ(scan.range_max, 30.0);
+  EXPECT_THAT(scan.ranges, ElementsAre(FloatEq(1.5F), NanSensitiveFloatEq(kNoReturn), 2.5F));
+}
+
+TEST(SessionScans, TakeARos2StampAndKeepTheLidarWhereTheMessageHasNull) {
+  const auto request = session_scans(R"({
+      "header": {"stamp": {"sec": 5, "nanosec": 500000000}, "frame_id": "laser"},
+      "range_max": null, "ranges": [1, 2, 3], "odom": {"x": 1, "y": 2, "yaw": 3}})");
+  EXPECT_DOUBLE_EQ(request.scans.at(0).scan.stamp, 5.5);
+  EXPECT_EQ(request.scans.at(0).scan.range_max, 10.0);
+  EXPECT_TRUE(request.scans.at(0).T_odom_base_link.has_value());
+}
+
+TEST(SessionScans, PreferTheStampBesideAHeader) {
+  const auto request = session_scans(
+      R"({"stamp": 3, "header": {"stamp": {"sec": 5, "nanosec": 0}}, "ranges": [1, 2, 3]})");
+  EXPECT_EQ(request.scans.at(0).scan.stamp, 3.0);
+}
+
+TEST(SessionScans, TakeTheFirstScansBeamsWhenTheLidarHasNone) {
+  Lidar lidar = three_beam_lidar();
+  lidar.beams.reset();
+  const auto parse = [&](const std::string& scans) {
+    return parse_session_scans(session_batch(scans), BodyFormat::kJson, lidar, {});
+  };
+  EXPECT_EQ(taken(parse(R"({"stamp": 1, "ranges": [1, 2]}, {"stamp": 2, "ranges": [1, 2]})"))
+                .scans.size(),
+            2U);
+  const auto parsed = parse(R"({"stamp": 1, "ranges": [1, 2]}, {"stamp": 2, "ranges": [1]})");
+  EXPECT_EQ(std::get<Problem>(parsed).errors.at(0).pointer, "/scans/1/ranges");
+}
+
+TEST(SessionScans, TakeAsManyScansAndBeamsAsTheLimitsAllow) {
+  const RequestLimits limits{.max_scans = 2, .max_beams = 3};
+  const auto parse = [&](const std::string& scans) {
+    return parse_session_scans(session_batch(scans), BodyFormat::kJson, three_beam_lidar(), limits);
+  };
+  const std::string two = R"({"stamp": 1, "ranges": [1, 2, 3]}, {"stamp": 2, "ranges": [1, 2, 3]})";
+  EXPECT_EQ(taken(parse(two)).scans.size(), 2U);
+  EXPECT_EQ(std::get<Problem>(parse(two + R"(, {"stamp": 3, "ranges": []})")).status, 413);
+  EXPECT_EQ(std::get<Problem>(parse(R"({"stamp": 1, "ranges": [1, 2, 3, 4]})")).status, 413);
+}
+
+TEST(SessionScans, AreTheSameInEveryFormat) {
+  const nlohmann::json batch = nlohmann::json::parse(R"({"sequence": 4, "scans": [
+      {"stamp": 12.5, "ranges": [1, null, 3.25], "odom": {"x": 1, "y": -2, "yaw": 0.5}},
+      {"stamp": 13, "ranges": [0, -4, 2]}]})");
+  for (const BodyFormat format : {BodyFormat::kJson, BodyFormat::kCbor, BodyFormat::kMessagePack}) {
+    const auto request =
+        taken(parse_session_scans(encode_as(batch, format), format, three_beam_lidar(), {}));
+    EXPECT_EQ(request.sequence, 4U);
+    ASSERT_EQ(request.scans.size(), 2U);
+    EXPECT_THAT(request.scans[0].scan.ranges,
+                ElementsAre(1.0F, NanSensitiveFloatEq(kNoReturn), 3.25F));
+    EXPECT_THAT(request.scans[1].scan.ranges, ElementsAre(0.0F, -4.0F, 2.0F));
+    EXPECT_EQ(request.scans[0].T_odom_base_link, (Pose2{1.0, -2.0, 0.5}));
+  }
+}
+
+TEST(SessionScans, TakeNanAndInfinityOfBinaryFormatsAsNoReturn) {
+  nlohmann::json batch =
+      nlohmann::json::parse(session_batch(R"({"stamp": 1, "ranges": [0, 0, 2]})"));
+  batch["scans"][0]["ranges"][0] = std::numeric_limits<double>::quiet_NaN();
+  batch["scans"][0]["ranges"][1] = std::numeric_limits<double>::infinity();
+  for (const BodyFormat format : {BodyFormat::kCbor, BodyFormat::kMessagePack}) {
+    const auto request =
+        taken(parse_session_scans(encode_as(batch, format), format, three_beam_lidar(), {}));
+    const LaserScan& scan = request.scans.at(0).scan;
+    EXPECT_FALSE(scan.has_return(0));
+    EXPECT_FALSE(scan.has_return(1));
+    EXPECT_TRUE(scan.has_return(2));
+  }
+}
+
+TEST(SessionScans, RefuseNanInAPoseOfABinaryFormat) {
+  nlohmann::json batch = nlohmann::json::parse(
+      session_batch(R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {"x": 0, "y": 0, "yaw": 0}})"));
+  batch["scans"][0]["odom"]["yaw"] = std::numeric_limits<double>::quiet_NaN();
+  const auto parsed = parse_session_scans(encode_as(batch, BodyFormat::kCbor), BodyFormat::kCbor,
+                                          three_beam_lidar(), {});
+  EXPECT_EQ(std::get<Problem>(parsed).errors.at(0).pointer, "/scans/0/odom/yaw");
+}
+
+TEST(MapScans, TakePosesAndTheMapsLidar) {
+  const auto request = taken(parse_map_scans(
+      R"({"scans": [{"stamp": 1, "ranges": [1, 2, 3], "pose": {"x": 1, "y": 2, "yaw": 10}}]})",
+      BodyFormat::kJson, three_beam_lidar(), {}));
+  ASSERT_EQ(request.scans.size(), 1U);
+  EXPECT_EQ(request.scans[0].T_map_base_link, (Pose2{1.0, 2.0, wrap_angle(10.0)}));
+  EXPECT_EQ(request.scans[0].scan.angle_min, -1.0);
+  EXPECT_EQ(request.lidar, three_beam_lidar());
+}
+
+TEST(MapScans, PreferTheLidarOfTheBodyAndCountItsBeams) {
+  const auto request = taken(parse_map_scans(
+      R"({"lidar": {"angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 5,
+                    "mount": {"x": 0.3, "y": 0, "yaw": 0}},
+          "scans": [{"stamp": 1, "ranges": [1, 2], "pose": {"x": 0, "y": 0, "yaw": 0}}]})",
+      BodyFormat::kJson, three_beam_lidar(), {}));
+  ASSERT_TRUE(request.lidar.has_value());
+  EXPECT_EQ(request.lidar->beams, 2U);
+  EXPECT_EQ(request.scans.at(0).scan.range_max, 5.0);
+  EXPECT_EQ(request.scans.at(0).T_base_link_laser, (Pose2{0.3, 0.0, 0.0}));
+}
+
+TEST(MapScans, TakeAnyOrderOfStamps) {
+  const auto request = taken(parse_map_scans(
+      R"({"scans": [{"stamp": 2, "ranges": [1, 2, 3], "pose": {"x": 0, "y": 0, "yaw": 0}},
+                    {"stamp": 1, "ranges": [1, 2, 3], "pose": {"x": 0, "y": 0, "yaw": 0}}]})",
+      BodyFormat::kJson, three_beam_lidar(), {}));
+  EXPECT_EQ(request.scans.size(), 2U);
+}
+
+TEST(MapScans, NeedNoLidarWhenEachScanBringsItsGeometry) {
+  const auto request = taken(parse_map_scans(
+      R"({"scans": [{"stamp": 1, "ranges": [1, 2], "angle_min": 0, "angle_increment": 0.1,
+                     "range_min": 0, "range_max": 5, "pose": {"x": 0, "y": 0, "yaw": 0}}]})",
+      BodyFormat::kJson, std::nullopt, {}));
+  EXPECT_EQ(request.scans.size(), 1U);
+  EXPECT_FALSE(request.lidar.has_value());
+}
+
+TEST(PutMap, TakesAnEmptyObject) {
+  const auto request = taken(parse_put_map("{}", BodyFormat::kJson));
+  EXPECT_FALSE(request.description || request.lidar_json || request.parameters_json);
+}
+
+TEST(PutMap, TakesNullAsAbsent) {
+  const auto request = taken(parse_put_map(
+      R"({"description": null, "lidar": null, "parameters": null})", BodyFormat::kJson));
+  EXPECT_FALSE(request.description || request.lidar_json || request.parameters_json);
+}
+
+TEST(PutMap, KeepsTextsThatGiveTheSameValuesBack) {
+  const auto request = taken(parse_put_map(
+      R"({"description": "Büro 2", "lidar": {"angle_min": -1.5, "angle_increment": 0.01,
+          "range_min": 0.05, "range_max": 30, "beams": 300,
+          "mount": {"x": 0.1, "y": 0.2, "yaw": 4}},
+          "parameters": {"key_frame_distance_m": 0.5, "grid": {"resolution_m": 0.1}}})",
+      BodyFormat::kJson));
+  EXPECT_EQ(request.description, "Büro 2");
+  const auto lidar = lidar_from_json(request.lidar_json.value_or(""));
+  ASSERT_TRUE(lidar.has_value());
+  EXPECT_EQ(lidar->beams, 300U);
+  EXPECT_EQ(lidar->T_base_link_laser, (Pose2{0.1, 0.2, wrap_angle(4.0)}));
+  const MapperParams params = mapper_params_from_json(request.parameters_json.value_or(""));
+  EXPECT_EQ(params.key_frame_distance_m, 0.5);
+  EXPECT_EQ(params.grid.resolution_m, 0.1);
+  EXPECT_EQ(params.min_feature_count, MapperParams{}.min_feature_count);
+}
+
+TEST(StoredTexts, GiveDefaultsWhenEmpty) {
+  EXPECT_FALSE(lidar_from_json("").has_value());
+  EXPECT_EQ(params_from_json("").seed, LocalizerParams{}.seed);
+  EXPECT_EQ(mapper_params_from_json("").grid.resolution_m, MapperParams{}.grid.resolution_m);
+}
+
+TEST(StoredTexts, GiveALidarBackToTheLastBit) {
+  Lidar lidar{.angle_min = -2.356194490192345,
+              .angle_increment = 0.004363323129985824,
+              .range_min = 0.023,
+              .range_max = 60.0,
+              .beams = 1081,
+              .T_base_link_laser = {0.1 + 0.2, -1.0 / 3.0, kPi}};
+  EXPECT_EQ(lidar_from_json(lidar_to_json(lidar)), lidar);
+  lidar.beams.reset();
+  EXPECT_EQ(lidar_from_json(lidar_to_json(lidar)), lidar);
+}
+
+TEST(CreateSession, TakesOneMapSomeMapsOrAll) {
+  const auto maps_of = [](const std::string& members) {
+    return taken(parse_create_session(
+                     std::string(R"({"robot": "r2", "lidar": )") + kLidarText + members + "}",
+                     BodyFormat::kJson))
+        .maps;
+  };
+  EXPECT_THAT(maps_of(""), ElementsAre());
+  EXPECT_THAT(maps_of(R"(, "map": null)"), ElementsAre());
+  EXPECT_THAT(maps_of(R"(, "map": "a")"), ElementsAre("a"));
+  EXPECT_THAT(maps_of(R"(, "map": null, "maps": ["b", "a", "b"])"), ElementsAre("b", "a"));
+}
+
+TEST(CreateSession, AppliesOptionsToTheDefaults) {
+  const auto request =
+      taken(parse_create_session(std::string(R"({"robot": "r2", "lidar": )") + kLidarText +
+                                     R"(, "options": {"method": "nma", "seed": 18446744073709551615,
+                           "acceptance": {"min_probability": 0.99}, "min_votes": null}})",
+                                 BodyFormat::kJson));
+  EXPECT_EQ(request.params.method, Method::kNma);
+  EXPECT_EQ(request.params.seed, 18446744073709551615ULL);
+  EXPECT_EQ(request.params.acceptance.min_probability, 0.99);
+  EXPECT_EQ(request.params.min_votes, LocalizerParams{}.min_votes);
+  EXPECT_EQ(params_from_json(request.options_json).acceptance.min_probability, 0.99);
+  EXPECT_EQ(params_from_json(request.options_json).seed, request.params.seed);
+}
+
+TEST(Localize, TakesScansAndOptions) {
+  const auto request = taken(parse_localize(
+      std::string(R"({"lidar": )") + kLidarText +
+          R"(, "options": {"seed": 5}, "scans": [{"stamp": 1, "ranges": [1, 2, 3]}]})",
+      BodyFormat::kJson, {}));
+  EXPECT_EQ(request.scans.size(), 1U);
+  EXPECT_EQ(request.params.seed, 5U);
+}
+
+TEST(Trajectory, TakesStampedPosesInAnyOrder) {
+  const auto request = taken(parse_trajectory(
+      R"({"poses": [{"stamp": 2, "x": 1, "y": 2, "yaw": 7}, {"stamp": 1, "x": 0, "y": 0, "yaw": 0}]})",
+      BodyFormat::kJson));
+  ASSERT_EQ(request.poses.size(), 2U);
+  EXPECT_EQ(request.poses[0].stamp, 2.0);
+  EXPECT_EQ(request.poses[0].T_map_base_link, (Pose2{1.0, 2.0, wrap_angle(7.0)}));
+}
+
+TEST(Bbox, IsTwoOppositeCorners) {
+  const auto box = taken(parse_bbox("5,-1,2.5,3"));
+  EXPECT_EQ(box.min, Point2(2.5, -1.0));
+  EXPECT_EQ(box.max, Point2(5.0, 3.0));
+}
+
+TEST(Bbox, IsRefusedWhenItIsNotFourNumbers) {
+  for (const char* text : {"", "1", "1,2,3", "1,2,3,4,5", "1,2,3,", ",1,2,3", "1,2,3,4,", "a,2,3,4",
+                           "1,2,3,nan", "1,2,3,inf", "1,2,3,4 ", "1;2;3;4"}) {
+    const auto parsed = parse_bbox(text);
+    const auto* problem = std::get_if<Problem>(&parsed);
+    ASSERT_NE(problem, nullptr) << text;
+    EXPECT_EQ(problem->status, 422) << text;
+  }
+}
+
+TEST(PageLimit, IsOneToAThousand) {
+  EXPECT_EQ(taken(parse_page_limit("1")), 1U);
+  EXPECT_EQ(taken(parse_page_limit("1000")), 1000U);
+  for (const char* text : {"", "0", "1001", "-1", "1.5", "ten", "99999999999999999999"}) {
+    EXPECT_TRUE(std::holds_alternative<Problem>(parse_page_limit(text))) << text;
+  }
+}
+
+TEST(Name, FollowsTheContractsPattern) {
+  EXPECT_TRUE(is_valid_name("office-2"));
+  EXPECT_TRUE(is_valid_name("0"));
+  EXPECT_TRUE(is_valid_name("a._-Z9"));
+  EXPECT_TRUE(is_valid_name(std::string(128, 'a')));
+  for (const std::string name : {"", ".a", "-a", "_a", "a b", "a/b", "ä", "a%20"}) {
+    EXPECT_FALSE(is_valid_name(name)) << name;
+  }
+  EXPECT_FALSE(is_valid_name(std::string(129, 'a')));
+  EXPECT_FALSE(is_valid_name(std::string("a\0b", 3)));
+}
+
+}  // namespace
+}  // namespace cornerfix::api
