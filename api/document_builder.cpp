@@ -1,14 +1,16 @@
 #include "api/document_builder.hpp"
 
 #include <simdjson.h>
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <utility>
 
 namespace cornerfix::api {
 namespace {
 
-constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
+constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
+/// Room for the first scan's ranges before its size is known.
+constexpr std::size_t kUsualBeams = 1081;
 
 Problem too_large(std::string pointer, const std::string& detail) {
   Problem problem = make_problem(ErrorCode::kTooLarge, pointer + ": " + detail);
@@ -16,16 +18,10 @@ Problem too_large(std::string pointer, const std::string& detail) {
   return problem;
 }
 
-/// A cast of a double that no float can hold would be undefined.
-float to_float(double value) {
-  constexpr double kMax = std::numeric_limits<float>::max();
-  return std::abs(value) <= kMax ? static_cast<float>(value) : kNoReturn;
-}
-
 }  // namespace
 
 bool DocumentBuilder::null() {
-  if (in_ranges()) return range(std::numeric_limits<double>::quiet_NaN());
+  if (in_ranges()) return range(kNoReturn);
   return leaf(nullptr);
 }
 
@@ -77,7 +73,7 @@ bool DocumentBuilder::start_array(std::size_t /*size*/) {
   if (aside == Aside::kNothing) return true;
   aside_ = aside;
   aside_depth_ = 1;
-  if (aside == Aside::kRanges) document_.ranges.resize(open_[1]->size());
+  if (aside == Aside::kRanges) start_ranges(open_[1]->size() - 1);
   return true;
 }
 
@@ -87,17 +83,6 @@ bool DocumentBuilder::parse_error(std::size_t position, const std::string& /*tok
                                   const nlohmann::json::exception& /*error*/) {
   return fail(make_problem(ErrorCode::kMalformed,
                            "The body cannot be read from byte " + std::to_string(position) + "."));
-}
-
-bool DocumentBuilder::range(double value_m) {
-  std::vector<float>& ranges = document_.ranges.back();
-  if (ranges.size() >= limits_.max_beams) {
-    return fail(
-        too_large("/scans/" + std::to_string(document_.ranges.size() - 1) + "/ranges",
-                  "more than " + std::to_string(limits_.max_beams) + " beams are not accepted"));
-  }
-  ranges.push_back(to_float(value_m));
-  return true;
 }
 
 bool DocumentBuilder::fail(Problem problem) {
@@ -158,12 +143,25 @@ bool DocumentBuilder::add(nlohmann::json value) {
   return true;
 }
 
+void DocumentBuilder::start_ranges(std::size_t scan) {
+  const std::size_t beams = ranges_ != nullptr ? ranges_->size() : kUsualBeams;
+  document_.ranges.resize(scan + 1);
+  ranges_ = &document_.ranges.back();
+  ranges_->reserve(std::min(beams, limits_.max_beams));
+}
+
+bool DocumentBuilder::too_many_beams() {
+  return fail(
+      too_large("/scans/" + std::to_string(document_.ranges.size() - 1) + "/ranges",
+                "more than " + std::to_string(limits_.max_beams) + " beams are not accepted"));
+}
+
 bool DocumentBuilder::wrong_range() {
   const std::string scan = std::to_string(document_.ranges.size() - 1);
-  const std::string beam = std::to_string(document_.ranges.back().size());
+  const std::string beam = std::to_string(ranges_->size());
   document_.errors.add("/scans/" + scan + "/ranges/" + beam,
                        "must be a number of metres, or null for no return");
-  return range(std::numeric_limits<double>::quiet_NaN());
+  return range(kNoReturn);
 }
 
 bool DocumentBuilder::in_scans() const {

@@ -5,8 +5,10 @@
 /// values, scans and beams are bounded while parsing, so no body can make it take much memory.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -52,7 +54,11 @@ class DocumentBuilder {
 
   /// Whether a number would be the range of a beam; range() takes it faster than an event.
   [[nodiscard]] bool in_ranges() const { return aside_ == Aside::kRanges && aside_depth_ == 1; }
-  bool range(double value_m);
+  bool range(double value_m) {
+    if (ranges_->size() >= limits_.max_beams) return too_many_beams();
+    ranges_->push_back(to_float(value_m));
+    return true;
+  }
 
   /// Gives up with `problem`; false, so that an event can return it.
   bool fail(Problem problem);
@@ -68,15 +74,25 @@ class DocumentBuilder {
   bool open(nlohmann::json empty);
   bool close();
   bool add(nlohmann::json value);
+  void start_ranges(std::size_t scan);
   bool wrong_range();
+  bool too_many_beams();
   [[nodiscard]] bool in_scans() const;
   [[nodiscard]] Aside aside_for_array() const;
 
+  /// What no float can hold is no return; the cast would be undefined.
+  static float to_float(double value) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return std::abs(value) <= kMost ? static_cast<float>(value)
+                                    : std::numeric_limits<float>::quiet_NaN();
+  }
+
   RequestLimits limits_;
   Document document_;
-  std::vector<nlohmann::json*> open_;  ///< From the root to the innermost open container.
-  std::vector<std::string> keys_;      ///< Of `open_`, the key read last; empty in arrays.
-  nlohmann::json* last_ = nullptr;     ///< The value added last.
+  std::vector<float>* ranges_ = nullptr;  ///< Of the scan being read.
+  std::vector<nlohmann::json*> open_;     ///< From the root to the innermost open container.
+  std::vector<std::string> keys_;         ///< Of `open_`, the key read last; empty in arrays.
+  nlohmann::json* last_ = nullptr;        ///< The value added last.
   std::size_t values_ = 0;
   Aside aside_ = Aside::kNothing;
   std::size_t aside_depth_ = 0;  ///< 1 in the array itself, more in containers within.

@@ -42,14 +42,22 @@ bool walk_object(ondemand::object object, DocumentBuilder& builder) {
   return builder.end_object();
 }
 
-bool walk_array(ondemand::array array, DocumentBuilder& builder) {
-  if (!builder.start_array(0)) return false;
+/// Most of a request; numbers skip the events.
+bool walk_ranges(ondemand::array& array, DocumentBuilder& builder) {
   for (auto element : array) {
     ondemand::value value = element.value();
     double range_m = 0.0;
-    const bool is_range =
-        builder.in_ranges() && value.get_double().get(range_m) == simdjson::SUCCESS;
-    if (!(is_range ? builder.range(range_m) : walk(value, builder))) return false;
+    const bool is_number = value.get_double().get(range_m) == simdjson::SUCCESS;
+    if (!(is_number ? builder.range(range_m) : walk(value, builder))) return false;
+  }
+  return builder.end_array();
+}
+
+bool walk_array(ondemand::array array, DocumentBuilder& builder) {
+  if (!builder.start_array(0)) return false;
+  if (builder.in_ranges()) return walk_ranges(array, builder);
+  for (auto element : array) {
+    if (!walk(element.value(), builder)) return false;
   }
   return builder.end_array();
 }

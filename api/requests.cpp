@@ -1,6 +1,7 @@
 #include "api/requests.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -111,11 +112,27 @@ Params stored_params(std::string_view text) {
   return params;
 }
 
-std::optional<double> parse_number(std::string_view text) {
+/// Takes a finite number from the front of `text`.
+std::optional<double> take_number(std::string_view& text) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool whole = error == std::errc{} && end == text.data() + text.size();
-  return whole && std::isfinite(number) ? std::optional(number) : std::nullopt;
+  if (error != std::errc{} || !std::isfinite(number)) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
+
+std::optional<std::array<double, 4>> parse_four_numbers(std::string_view text) {
+  std::array<double, 4> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i > 0) {
+      if (!text.starts_with(',')) return std::nullopt;
+      text.remove_prefix(1);
+    }
+    const auto number = take_number(text);
+    if (!number) return std::nullopt;
+    numbers[i] = *number;
+  }
+  return text.empty() ? std::optional(numbers) : std::nullopt;
 }
 
 Problem wrong_query(const std::string& name, const std::string& expected) {
@@ -239,23 +256,10 @@ MapperParams mapper_params_from_json(std::string_view parameters_json) {
 }
 
 Parsed<Bounds> parse_bbox(std::string_view text) {
-  std::vector<double> numbers;
-  while (numbers.size() < 5) {
-    const std::size_t comma = std::min(text.find(','), text.size());
-    const auto number = parse_number(text.substr(0, comma));
-    if (!number) break;
-    numbers.push_back(*number);
-    if (comma == text.size()) {
-      text = {};
-      break;
-    }
-    text.remove_prefix(comma + 1);
-  }
-  if (numbers.size() != 4 || !text.empty()) {
-    return wrong_query("bbox", "must be x0,y0,x1,y1 in metres");
-  }
-  const Point2 a(numbers[0], numbers[1]);
-  const Point2 b(numbers[2], numbers[3]);
+  const auto numbers = parse_four_numbers(text);
+  if (!numbers) return wrong_query("bbox", "must be x0,y0,x1,y1 in metres");
+  const Point2 a((*numbers)[0], (*numbers)[1]);
+  const Point2 b((*numbers)[2], (*numbers)[3]);
   return Bounds{.min = a.cwiseMin(b), .max = a.cwiseMax(b)};
 }
 
