@@ -178,7 +178,7 @@ Result<Reader> open_blob(Kind kind, std::string_view what, BlobView blob) {
 }
 
 constexpr std::size_t scan_size(const LaserScan& scan) {
-  constexpr std::size_t kFixedSize = 5 * sizeof(double) + 2 * 3 * sizeof(double) + 4;
+  constexpr std::size_t kFixedSize = 11 * sizeof(double) + sizeof(std::uint32_t);
   return kFixedSize + scan.ranges.size() * sizeof(float);
 }
 
@@ -384,7 +384,7 @@ Result<SubmapScan> decode_submap_scan(BlobView blob) {
 }
 
 Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
-  constexpr std::size_t kFixedSize = 200;
+  constexpr std::size_t kFixedSize = 143;
   Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
   writer.integer(state.next_index);
   writer.integer(state.scans);
@@ -417,7 +417,7 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
   state.way_m = reader->real();
   state.last_stamp = take_optional_stamp(*reader);
   state.last_T_odom_base_link = take_optional_pose(*reader);
-  const std::uint8_t status = reader->integer<std::uint8_t>();
+  const auto status = reader->integer<std::uint8_t>();
   state.status = static_cast<Status>(status);
   state.tracked_map = reader->signed_integer();
   state.T_map_submap = reader->pose();

@@ -11,7 +11,7 @@
 
 #include <cornerfix/result.hpp>
 
-namespace SQLite {
+namespace SQLite {  // NOLINT(readability-identifier-naming): the library's own name.
 class Database;
 class Statement;
 }  // namespace SQLite

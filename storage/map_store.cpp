@@ -51,15 +51,15 @@ MapRow read_map(const Statement& row) {
 }
 
 std::optional<MapRow> find_map(Database& database, std::string_view name) {
-  static const std::string kSql = kSelectMap + "WHERE name = ?";
-  Statement statement(database, kSql);
+  static const std::string sql = kSelectMap + "WHERE name = ?";
+  Statement statement(database, sql);
   if (!statement.bind(name).step()) return std::nullopt;
   return read_map(statement);
 }
 
 std::optional<MapRow> find_map(Database& database, std::int64_t id) {
-  static const std::string kSql = kSelectMap + "WHERE id = ?";
-  Statement statement(database, kSql);
+  static const std::string sql = kSelectMap + "WHERE id = ?";
+  Statement statement(database, sql);
   if (!statement.bind(id).step()) return std::nullopt;
   return read_map(statement);
 }
@@ -214,9 +214,9 @@ MapStore::MapStore(MapStore&&) noexcept = default;
 
 Result<std::vector<MapInfo>> MapStore::list(std::string_view after, std::size_t limit) {
   return guarded([&]() -> Result<std::vector<MapInfo>> {
-    static const std::string kSql = kSelectMap + "WHERE name > ? ORDER BY name LIMIT ?";
+    static const std::string sql = kSelectMap + "WHERE name > ? ORDER BY name LIMIT ?";
     // SQLite reads a limit above its largest integer as none.
-    Statement statement(*database_, kSql);
+    Statement statement(*database_, sql);
     statement.bind(after, limit);
     std::vector<MapInfo> maps;
     while (statement.step()) maps.push_back(read_map(statement).info);

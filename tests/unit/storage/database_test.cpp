@@ -2,8 +2,12 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
 #include <barrier>
+#include <csignal>
 #include <thread>
 
 #include "storage/map_store.hpp"
@@ -216,6 +220,49 @@ TEST(Database, GoesOnFromTheWalOfAKilledProcess) {
   }
   MapStore store(open_database(directory / "maps.db"));
   EXPECT_TRUE(store.find("office"));
+}
+
+TEST(Database, RollsBackWhatAKilledMigrationLeft) {
+  const TempDirectory directory;
+  const TempDirectory source;
+  make_database(source / "maps.db");
+  {
+    SQLite::Database migrating((source / "maps.db").string(), SQLite::OPEN_READWRITE);
+    migrating.exec("PRAGMA journal_mode = DELETE");
+    // So small a cache writes pages to the file before the commit.
+    migrating.exec("PRAGMA cache_size = 1; BEGIN; UPDATE key_frames SET scan = zeroblob(9000)");
+    fs::copy_file(source / "maps.db", directory / "maps.db");
+    fs::copy_file(source / "maps.db-journal", directory / "maps.db-journal");
+  }
+  MapStore store(open_database(directory / "maps.db"));
+  const auto key_frames = store.key_frames(store.find("office")->id);
+  ASSERT_TRUE(key_frames) << key_frames.error().message;
+  EXPECT_EQ(key_frames->size(), 60U);
+}
+
+TEST(Database, KeepsWhatItAcknowledgedWhenTheProcessIsKilled) {
+  const TempDirectory directory;
+  const fs::path path = directory / "maps.db";
+  std::array<int, 2> acknowledged{};
+  ASSERT_EQ(::pipe(acknowledged.data()), 0);
+  const pid_t writer = ::fork();
+  if (writer == 0) {
+    MapStore store(open_database(path));
+    for (int i = 0;; ++i) {
+      (void)store.put(std::to_string(i), "", "", "", "now").value();
+      (void)!::write(acknowledged[1], "+", 1);
+    }
+  }
+  ::close(acknowledged[1]);  // So that a writer that fails ends the reading too.
+  constexpr int kAcknowledged = 20;
+  char answer = 0;
+  for (int i = 0; i < kAcknowledged; ++i) ASSERT_EQ(::read(acknowledged[0], &answer, 1), 1);
+  ::kill(writer, SIGKILL);
+  ::waitpid(writer, nullptr, 0);
+  ::close(acknowledged[0]);
+
+  MapStore store(open_database(path));
+  for (int i = 0; i < kAcknowledged; ++i) EXPECT_TRUE(store.find(std::to_string(i))) << i;
 }
 
 TEST(Database, OpensWhileAnotherConnectionIsOpen) {

@@ -87,7 +87,8 @@ TEST_F(MapStoreTest, FindsWhatWasPut) {
 }
 
 TEST_F(MapStoreTest, KeepsTheBytesOfAnyText) {
-  const std::string description("zero \0 inside, \xC3\xBC, ' \" %", 27);
+  using namespace std::string_literals;
+  const std::string description = "zero \0 inside, \xC3\xBC, ' \" %"s;
   ASSERT_TRUE(store_.put("office", description, std::nullopt, std::nullopt, "t0"));
   EXPECT_EQ(store_.find("office")->description, description);
 }
