@@ -14,6 +14,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A ray is moved this far past a cell's edge, so that rounding cannot leave it where it was.
 constexpr double kEdgeSlackCells = 1e-6;
 
+/// The cell that a ray goes on in, along one axis: from a grid line it looks along its direction.
+double cell_ahead(double position, double direction) {
+  return direction < 0.0 ? std::ceil(position) - 1.0 : std::floor(position);
+}
+
 /// Cells along a ray until it crosses the next grid line of one axis.
 double cells_to_grid_line(double position, double cell, double direction) {
   if (direction > 0.0) return (cell + 1.0 - position) / direction;
@@ -54,8 +59,8 @@ double RayCaster::cast(const Point2& origin_map, double heading_map, double rang
 
   for (double range = 0.0; range <= range_max_cells;) {
     const Point2 position = origin + range * direction;
-    const double column = std::floor(position.x());
-    const double row = std::floor(position.y());
+    const double column = cell_ahead(position.x(), direction.x());
+    const double row = cell_ahead(position.y(), direction.y());
     if (column < 0.0 || row < 0.0 || column >= width_ || row >= height_) return kInfinity;
     const auto offset = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
                         static_cast<std::size_t>(column);

@@ -57,6 +57,18 @@ TEST(RayCaster, LooksAlongAxesExactly) {
   EXPECT_NEAR(caster.cast({4.0, 3.0}, kPi, 30.0), 4.0, 1e-6);
 }
 
+TEST(RayCaster, DoesNotCreepAlongAGridLine) {
+  OccupancyGrid corridor;
+  corridor.resolution = 0.125;
+  corridor.width = 20'000;
+  corridor.height = 4;
+  corridor.cells.assign(80'000, Cell::kFree);
+  corridor.cells[corridor.offset({0, 2})] = Cell::kOccupied;
+  corridor.cells[corridor.offset({0, 1})] = Cell::kOccupied;
+  // sin(-pi) is just below zero: the ray never leaves the grid line that it begins on.
+  EXPECT_NEAR(RayCaster(corridor).cast({2'400.0, 0.25}, -kPi, 3'000.0), 2'399.875, 1e-3);
+}
+
 TEST(RayCaster, SeesASingleOccupiedCellFromAfar) {
   OccupancyGrid grid = box_room(0.05);
   grid.cells[grid.offset(grid.cell_of({9.025 + 0.05, 4.025 + 0.05}))] = Cell::kOccupied;
