@@ -1,0 +1,116 @@
+#include <cornerfix/laser_scan.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+#include "support/matchers.hpp"
+
+namespace cornerfix {
+namespace {
+
+using testing::IsPointNear;
+
+constexpr double kPi = std::numbers::pi;
+constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+LaserScan quarter_turns(std::vector<float> ranges) {
+  return {.angle_min = -kPi,
+          .angle_increment = kPi / 2.0,
+          .range_min = 0.1,
+          .range_max = 10.0,
+          .ranges = std::move(ranges)};
+}
+
+TEST(LaserScan, LooksAlongItsBearings) {
+  const std::vector<Point2> points = returns_as_points(quarter_turns({1.0F, 2.0F, 3.0F, 4.0F}));
+  EXPECT_THAT(points, ::testing::ElementsAre(
+                          IsPointNear(Point2(-1, 0), 1e-9), IsPointNear(Point2(0, -2), 1e-9),
+                          IsPointNear(Point2(3, 0), 1e-9), IsPointNear(Point2(0, 4), 1e-9)));
+}
+
+TEST(LaserScan, AClockwiseLidarLooksTheOtherWay) {
+  LaserScan scan = quarter_turns({1.0F, 2.0F});
+  scan.angle_min = 0.0;
+  scan.angle_increment = -kPi / 2.0;
+  EXPECT_THAT(returns_as_points(scan), ::testing::ElementsAre(IsPointNear(Point2(1, 0), 1e-9),
+                                                              IsPointNear(Point2(0, -2), 1e-9)));
+}
+
+TEST(LaserScan, ARangeThatIsNoMeasurementIsNoReturn) {
+  for (const float range : {kNoReturn, kInfinite, -kInfinite, -1.0F, 0.0F, 0.05F, 10.5F}) {
+    const LaserScan scan = quarter_turns({range});
+    EXPECT_FALSE(scan.has_return(0)) << range;
+    EXPECT_TRUE(returns_as_points(scan).empty()) << range;
+  }
+}
+
+TEST(LaserScan, ALidarThatMeasuresFromZeroHasNoReturnAtZero) {
+  LaserScan scan = quarter_turns({0.0F});
+  scan.range_min = 0.0;
+  EXPECT_FALSE(scan.has_return(0));
+}
+
+TEST(LaserScan, ItsLimitsAreReturns) {
+  LaserScan scan = quarter_turns({0.5F, 8.0F});
+  scan.range_min = 0.5;
+  scan.range_max = 8.0;
+  EXPECT_TRUE(scan.has_return(0));
+  EXPECT_TRUE(scan.has_return(1));
+}
+
+TEST(LaserScan, AnEmptyScanIsValid) {
+  EXPECT_FALSE(validate(quarter_turns({})).has_value());
+  EXPECT_TRUE(returns_as_points(quarter_turns({})).empty());
+}
+
+TEST(LaserScan, AFullTurnThatRepeatsItsFirstBearingIsValid) {
+  EXPECT_FALSE(validate(quarter_turns({1.0F, 1.0F, 1.0F, 1.0F, 1.0F})).has_value());
+}
+
+TEST(LaserScan, BeamsWithoutReturnAreValid) {
+  EXPECT_FALSE(validate(quarter_turns({kNoReturn, kInfinite, -1.0F, 99.0F})).has_value());
+}
+
+struct BrokenScan {
+  const char* field;
+  void (*broken)(LaserScan&);
+};
+
+class BrokenLaserScan : public ::testing::TestWithParam<BrokenScan> {};
+
+TEST_P(BrokenLaserScan, IsRefusedByTheNameOfTheField) {
+  LaserScan scan = quarter_turns({1.0F, 2.0F, 3.0F, 4.0F});
+  ASSERT_FALSE(validate(scan).has_value());
+  GetParam().broken(scan);
+  const auto error = validate(scan);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->field, GetParam().field);
+  EXPECT_EQ(error->code, ErrorCode::kInvalidArgument);
+  EXPECT_FALSE(error->message.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    LaserScan, BrokenLaserScan,
+    ::testing::Values(
+        BrokenScan{"stamp", [](LaserScan& scan) { scan.stamp = std::nan(""); }},
+        BrokenScan{"stamp", [](LaserScan& scan) { scan.stamp = kInfinity; }},
+        BrokenScan{"angle_min", [](LaserScan& scan) { scan.angle_min = std::nan(""); }},
+        BrokenScan{"angle_increment", [](LaserScan& scan) { scan.angle_increment = 0.0; }},
+        BrokenScan{"angle_increment", [](LaserScan& scan) { scan.angle_increment = kInfinity; }},
+        BrokenScan{"range_min", [](LaserScan& scan) { scan.range_min = -0.1; }},
+        BrokenScan{"range_min", [](LaserScan& scan) { scan.range_min = std::nan(""); }},
+        BrokenScan{"range_max", [](LaserScan& scan) { scan.range_max = scan.range_min; }},
+        BrokenScan{"range_max", [](LaserScan& scan) { scan.range_max = kInfinity; }},
+        BrokenScan{"ranges", [](LaserScan& scan) { scan.ranges.resize(40, 1.0F); }},
+        BrokenScan{"ranges", [](LaserScan& scan) {
+                     scan.angle_increment = -scan.angle_increment;
+                     scan.ranges.resize(7, 1.0F);
+                   }}));
+
+}  // namespace
+}  // namespace cornerfix
