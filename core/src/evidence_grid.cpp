@@ -18,6 +18,13 @@ void EvidenceGrid::add(const LaserScan& scan, const Pose2& T_submap_laser) {
 
 void EvidenceGrid::remove(const LaserScan& scan, const Pose2& T_submap_laser) {
   count(scan, T_submap_laser, -1);
+  // A cell that is listed and empty would be listed again when it is next counted in.
+  std::erase_if(touched_, [this](std::uint32_t index) {
+    CellCounts& cell = cells_[index];
+    if (cell.ends != 0 || cell.passes != 0) return false;
+    cell = {};
+    return true;
+  });
 }
 
 void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int sign) {

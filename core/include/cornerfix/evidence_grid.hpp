@@ -54,7 +54,7 @@ class EvidenceGrid {
   Point2 corner_;
   int size_;
   std::vector<CellCounts> cells_;
-  std::vector<std::uint32_t> touched_;  ///< Cells that were ever counted in.
+  std::vector<std::uint32_t> touched_;  ///< Cells with counts, each once.
 };
 
 }  // namespace cornerfix
