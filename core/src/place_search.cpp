@@ -157,8 +157,8 @@ PlaceSearch::PlaceSearch(const ClassField& classes) : T_map_grid_(inverse(classe
 std::vector<std::uint8_t> PlaceSearch::pooled(
     const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const {
   const int fine_per_cell = static_cast<int>(std::lround(cell_m_ / classes.resolution()));
-  const int margin =
-      fine_per_cell / 2;  // points and poses are rounded to cells: half a cell either way
+  // Points and poses are rounded to cells: half a cell either way, and no less.
+  const int margin = (fine_per_cell + 1) / 2;
   const auto at = [](int column, int row, int width) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(column);
