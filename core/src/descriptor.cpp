@@ -26,10 +26,10 @@ struct NearPair {
 /// Eqs. (10), (12) and (13). A bearing that rounds up to a full turn is bin 0.
 class Quantiser {
  public:
-  explicit Quantiser(const DescriptorParams& params, int angle_bins)
+  Quantiser(const DescriptorParams& params, int angle_bins)
       : distance_resolution_(params.distance_resolution_m),
         angle_resolution_(kTurn / angle_bins),
-        angle_bins_(static_cast<unsigned>(angle_bins)) {}
+        angle_bins_(angle_bins) {}
 
   [[nodiscard]] NearPair operator()(std::uint32_t first, std::uint32_t second, const Point2& v,
                                     double distance) const {
@@ -41,13 +41,12 @@ class Quantiser {
 
  private:
   [[nodiscard]] std::uint16_t angle_bin(double angle) const {
-    const auto bin = static_cast<unsigned>(angle / angle_resolution_ + 0.5);
-    return static_cast<std::uint16_t>(bin % angle_bins_);
+    return static_cast<std::uint16_t>(std::lround(angle / angle_resolution_) % angle_bins_);
   }
 
   double distance_resolution_;
   double angle_resolution_;
-  unsigned angle_bins_;
+  int angle_bins_;
 };
 
 /// All pairs within reach, by a sweep along x, so that a large map costs no n^2.

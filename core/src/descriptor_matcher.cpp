@@ -101,10 +101,10 @@ class BestMatches {
     std::ranges::sort(added_, {}, [](const DescriptorMatch& match) {
       return std::tuple(match.global_feature, match.angle_bin, -match.votes, match.local_feature);
     });
-    const auto repeated = std::ranges::unique(added_, {}, [](const DescriptorMatch& match) {
-      return std::pair(match.global_feature, match.angle_bin);
-    });
-    added_.erase(repeated.begin(), repeated.end());
+    const auto is_repeated = [](const DescriptorMatch& a, const DescriptorMatch& b) {
+      return a.global_feature == b.global_feature && a.angle_bin == b.angle_bin;
+    };
+    added_.erase(std::unique(added_.begin(), added_.end(), is_repeated), added_.end());
   }
 
   std::size_t max_matches_;
