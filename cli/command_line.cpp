@@ -15,6 +15,7 @@ int run_command_line(int argc, const char* const* argv) {
   int exit_code = kDone;
   add_map_command(app, exit_code);
   add_replay_command(app, exit_code);
+  add_serve_command(app, exit_code);
   add_simulate_command(app, exit_code);
   try {
     app.parse(argc, argv);

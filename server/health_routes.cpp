@@ -1,0 +1,59 @@
+#include "server/responses.hpp"
+#include "server/routes.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+Response ready(const Services& services, const Request& request) {
+  if (*services.draining) {
+    return problem_response(503, "draining", "The server is going down.");
+  }
+  if (const auto readable = services.stores->probe(); !readable) {
+    return error_response(request, Error{ErrorCode::kUnavailable, readable.error().message, ""});
+  }
+  return json_response(200, R"({"status":"ready"})");
+}
+
+Response openapi(const Services& services) {
+  if (services.openapi->empty()) {
+    return problem_response(404, "not_found", "The description was not installed.");
+  }
+  return json_response(200, *services.openapi);
+}
+
+Response metrics(const Services& services) {
+  const SessionCounts counts = services.localization->count_by_status();
+  return Response{.content_type = "text/plain; version=0.0.4; charset=utf-8",
+                  .body = services.metrics->render(counts, services.maps->cache_use())};
+}
+
+}  // namespace
+
+void add_health_routes(Router& router, const Services& services) {
+  router.add({.method = "GET",
+              .pattern = "/healthz",
+              .access = Access::kPublic,
+              .handler = [](const Request&) { return json_response(200, R"({"status":"ok"})"); }});
+  router.add({.method = "GET",
+              .pattern = "/readyz",
+              .access = Access::kPublic,
+              .handler = [services](const Request& request) { return ready(services, request); }});
+  router.add({.method = "GET",
+              .pattern = "/openapi.json",
+              .access = Access::kPublic,
+              .handler = [services](const Request&) { return openapi(services); }});
+  router.add({.method = "GET",
+              .pattern = "/metrics",
+              .access = Access::kRead,
+              .handler = [services](const Request&) { return metrics(services); }});
+}
+
+Router make_router(const Services& services) {
+  Router router;
+  add_map_routes(router, services);
+  add_session_routes(router, services);
+  add_health_routes(router, services);
+  return router;
+}
+
+}  // namespace cornerfix::server

@@ -1,0 +1,56 @@
+/// \file  A request and its response as routes see them: no HTTP library in sight.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "api/problem.hpp"
+#include "api/requests.hpp"
+#include "server/access.hpp"
+
+namespace cornerfix::server {
+
+class EventSubscription;
+
+struct Request {
+  std::string id;                     ///< Ours, for the log and the answer.
+  std::string method;                 ///< As sent; a HEAD is told from a GET here only.
+  std::vector<std::string> captures;  ///< Path segments that matched `{…}`, percent-decoded once.
+  std::multimap<std::string, std::string> query;
+  std::string body;  ///< Inflated.
+  api::BodyFormat body_format = api::BodyFormat::kJson;
+  api::BodyFormat answer_format = api::BodyFormat::kJson;  ///< By Accept.
+  std::string if_none_match;
+  Principal principal;
+
+  /// The first value of a query parameter.
+  [[nodiscard]] std::optional<std::string> parameter(const std::string& name) const {
+    const auto found = query.find(name);
+    if (found == query.end()) return std::nullopt;
+    return found->second;
+  }
+};
+
+/// Every member has an initializer, so that a designated one may leave it out without a warning.
+struct Response {
+  int status = 200;
+  std::string content_type{};
+  std::string body{};
+  std::vector<std::pair<std::string, std::string>> headers{};
+  std::shared_ptr<EventSubscription> events{};  ///< When set, the body is this stream.
+};
+
+using Handler = std::function<Response(const Request&)>;
+
+[[nodiscard]] Response json_response(int status, std::string json);
+[[nodiscard]] Response problem_response(const api::Problem& problem);
+/// A problem without wrong fields.
+[[nodiscard]] Response problem_response(int status, std::string_view code, std::string detail);
+
+}  // namespace cornerfix::server

@@ -1,0 +1,544 @@
+#include "server/http_server.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "api/json_codec.hpp"
+#include "server/access.hpp"
+#include "server/body_buffer.hpp"
+#include "server/event_hub.hpp"
+#include "server/http_message.hpp"
+#include "server/media_types.hpp"
+#include "server/responses.hpp"
+#include "server/router.hpp"
+#include "server/routes.hpp"
+#include "server/shared_files.hpp"
+#include "server/static_files.hpp"
+#include "server/worker_pool.hpp"
+
+// Last, because its <resolv.h> defines a macro `_res` that breaks Eigen's headers after it.
+#include <httplib.h>
+
+namespace cornerfix::server {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+constexpr int kListenBacklog = 1024;  // A fleet that reconnects at once.
+constexpr std::size_t kKeepAliveRequests = 1'000'000;
+constexpr std::chrono::seconds kReadTimeout{5};
+constexpr std::chrono::seconds kWriteTimeout{5};
+constexpr std::chrono::seconds kBodyDeadline{30};  // For all of it, however steadily it drips.
+constexpr std::chrono::seconds kHeartbeat{5};
+constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
+constexpr std::size_t kMaxDroppedBytes = std::size_t{64} << 20U;
+
+constexpr const char* kContentSecurityPolicy =
+    "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'";
+
+/// The library's task queue, on our pool.
+class PoolQueue final : public httplib::TaskQueue {
+ public:
+  PoolQueue(std::size_t threads, std::chrono::milliseconds timeout) : pool_(threads, timeout) {}
+  void enqueue(std::function<void()> job) override { pool_.enqueue(std::move(job)); }
+  void shutdown() override { pool_.shutdown(); }
+
+ private:
+  WorkerPool pool_;
+};
+
+std::string now_text() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::string text(sizeof "2000-01-01T00:00:00Z" - 1, '\0');
+  std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(SteadyClock::now().time_since_epoch()).count();
+}
+
+std::string random_prefix() {
+  std::random_device random;
+  return fmt::format("{:08x}", random());
+}
+
+/// How the body of a request is delimited (RFC 9112, 6).
+struct Framing {
+  enum class Kind { kNone, kLength, kChunked, kBad };
+  Kind kind = Kind::kNone;
+  std::uint64_t length = 0;
+};
+
+Framing framing_of(const httplib::Request& raw) {
+  const bool has_encoding = raw.has_header("Transfer-Encoding");
+  const std::size_t lengths = raw.get_header_value_count("Content-Length");
+  if (has_encoding) {
+    const bool is_chunked =
+        strcasecmp(raw.get_header_value("Transfer-Encoding").c_str(), "chunked") == 0;
+    // Both together is how requests are smuggled past a proxy.
+    return {is_chunked && lengths == 0 ? Framing::Kind::kChunked : Framing::Kind::kBad};
+  }
+  if (lengths == 0) return {};
+  const std::string text = raw.get_header_value("Content-Length");
+  Framing framing{Framing::Kind::kLength};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), framing.length);
+  const bool is_number = error == std::errc{} && end == text.data() + text.size();
+  return is_number && lengths == 1 ? framing : Framing{Framing::Kind::kBad};
+}
+
+bool may_have_body(std::string_view method) {
+  return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
+}
+
+/// Whether a browser sends this on behalf of another site's page.
+bool is_cross_site(const httplib::Request& raw) {
+  const std::string site = raw.get_header_value("Sec-Fetch-Site");
+  return site == "cross-site" || site == "same-site";
+}
+
+/// One request on its way to its answer.
+struct Exchange {
+  httplib::Request& raw;
+  const httplib::ContentReader* reader;  ///< Null when the library reads no body for the method.
+  Framing framing{};
+  Request request{};
+  std::string route = "none";  ///< Pattern, for the metrics.
+  bool body_was_read = false;
+  bool close = false;  ///< What follows on the connection cannot be trusted.
+};
+
+/// Reads the body as it comes over the wire. Without these headers the library neither inflates,
+/// which it does without a limit, nor looks for the parts of a form.
+bool read_raw(Exchange& exchange, const httplib::ContentReceiver& receiver) {
+  exchange.body_was_read = true;
+  exchange.raw.headers.erase("Content-Encoding");
+  exchange.raw.headers.erase("Content-Type");
+  return (*exchange.reader)(receiver);
+}
+
+Response too_large(std::size_t limit) {
+  return problem_response(
+      413, "too_large",
+      "A body has at most " + std::to_string(limit) + " bytes, after decompression.");
+}
+
+/// Takes what is left of the body off the wire, so that the next request begins where it should.
+void drop_body(Exchange& exchange) {
+  if (exchange.body_was_read || exchange.framing.kind == Framing::Kind::kNone) return;
+  const bool is_readable = exchange.reader != nullptr &&
+                           exchange.framing.kind != Framing::Kind::kBad &&
+                           exchange.framing.length <= kMaxDroppedBytes;
+  if (!is_readable) {
+    exchange.close = true;
+    return;
+  }
+  const auto deadline = SteadyClock::now() + kBodyDeadline;
+  std::size_t dropped = 0;
+  const bool is_complete = read_raw(exchange, [&](const char*, std::size_t size) {
+    dropped += size;
+    return dropped <= kMaxDroppedBytes && SteadyClock::now() < deadline;
+  });
+  exchange.close |= !is_complete;
+}
+
+/// The body, inflated; or the answer to a body that is not to be had.
+std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std::size_t limit) {
+  if (exchange.framing.length > limit) return too_large(limit);
+  const auto deadline = SteadyClock::now() + kBodyDeadline;
+  BodyBuffer buffer(gzip, limit);
+  std::size_t received = 0;
+  bool is_too_late = false;
+  const bool is_complete = read_raw(exchange, [&](const char* data, std::size_t size) {
+    received += size;
+    is_too_late = SteadyClock::now() >= deadline;
+    buffer.append({data, size});
+    return !is_too_late && received <= kMaxDroppedBytes;
+  });
+  exchange.close |= !is_complete;
+  if (is_too_late) return problem_response(408, "timeout", "The body took too long to arrive.");
+  const BodyBuffer::State state = buffer.finish();
+  if (state == BodyBuffer::State::kTooLarge) return too_large(limit);
+  if (!is_complete) return problem_response(400, "malformed", "The body ended early.");
+  if (state == BodyBuffer::State::kBadGzip) {
+    return problem_response(400, "malformed", "The body is not gzip, or ends early.");
+  }
+  return buffer.take();
+}
+
+Result<std::string> openapi_json() {
+  const auto file = find_openapi_file();
+  return file.empty() ? std::string() : yaml_file_as_json(file);
+}
+
+Response unsupported_media_type(const std::string& content_type) {
+  std::string detail =
+      "Send application/json, application/cbor or application/msgpack, not " + content_type + ".";
+  if (content_type.starts_with("application/x-www-form-urlencoded")) {
+    detail += " (That is curl's default: add -H 'Content-Type: application/json'.)";
+  }
+  return problem_response(415, "unsupported_media_type", detail);
+}
+
+}  // namespace
+
+struct HttpServer::Impl {
+  explicit Impl(ServerConfig the_config) : config(std::move(the_config)), tokens(config.tokens) {}
+
+  ServerConfig config;
+  TokenTable tokens;
+  Services services;
+  Router router;
+  StaticFiles files;
+  std::string id_prefix = random_prefix();
+  std::atomic<std::uint64_t> next_id{1};
+  std::atomic<std::size_t> in_work{0};
+  int listen_fd = -1;
+  int port = 0;
+  httplib::Server http;
+
+  Result<void> open_services();
+  Result<void> bind();
+  void set_up_http();
+
+  void serve(const httplib::Request& raw, httplib::Response& out,
+             const httplib::ContentReader* reader);
+  Response answer(Exchange& exchange);
+  Response answer_by_route(Exchange& exchange);
+  Response answer_by_file(Exchange& exchange, const PathSegments& path);
+  std::optional<Response> refuse(Exchange& exchange, Access access);
+  std::optional<Response> take_body(Exchange& exchange, BodyRule rule);
+  void write(Exchange& exchange, Response response, httplib::Response& out);
+};
+
+Result<void> HttpServer::Impl::open_services() {
+  auto stores = StoreAccess::open(config.database);
+  if (!stores) return stores.error();
+  services.stores = *stores;
+  services.limits = config.request_limits;
+  services.draining = std::make_shared<std::atomic<bool>>(false);
+  services.events = std::make_shared<EventHub>(config.max_event_clients);
+  services.metrics = std::make_shared<Metrics>();
+  services.maps = std::make_shared<MapLibrary>(
+      *stores,
+      MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
+      now_text);
+  const auto events = services.events;
+  const auto metrics = services.metrics;
+  services.localization = std::make_shared<LocalizationService>(
+      *stores, services.maps,
+      LocalizationServiceSettings{
+          .render =
+              [](const AnswerToRender& answer) {
+                return api::encode(api::render_answer(answer.answer, {.session = answer.session,
+                                                                      .sequence = answer.sequence,
+                                                                      .stamp = answer.stamp}),
+                                   api::BodyFormat::kJson);
+              },
+          .now = now_text,
+          .clock_ms = now_ms,
+          .on_batch =
+              [events, metrics](const std::string& session, const BatchEvents& batch,
+                                const std::function<SessionView()>& view) {
+                metrics->count_batch(batch);
+                if (!events->is_watched(session)) return;
+                if (const auto event = last_answer_event(view())) events->publish(session, *event);
+              },
+          .idle_time = std::chrono::minutes(config.session_idle_minutes)});
+  auto openapi = openapi_json();
+  if (!openapi) return openapi.error();
+  services.openapi = std::make_shared<const std::string>(std::move(*openapi));
+  router = make_router(services);
+  files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
+  files.mount("vendor/leaflet", config.leaflet_root);
+  return {};
+}
+
+void HttpServer::Impl::set_up_http() {
+  http.new_task_queue = [this] {
+    return new PoolQueue(config.worker_threads, std::chrono::milliseconds(config.queue_timeout_ms));
+  };
+  http.set_tcp_nodelay(true);
+  http.set_keep_alive_max_count(kKeepAliveRequests);
+  http.set_keep_alive_timeout(config.keep_alive_timeout_s);
+  http.set_read_timeout(kReadTimeout);
+  http.set_write_timeout(kWriteTimeout);
+  http.set_socket_options([this](socket_t socket) {
+    // Not SO_REUSEPORT: two servers would share the port and split the robots between them.
+    const int on = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    listen_fd = socket;
+  });
+  const auto serve_with_body = [this](const httplib::Request& raw, httplib::Response& out,
+                                      const httplib::ContentReader& reader) {
+    serve(raw, out, &reader);
+  };
+  http.set_pre_routing_handler([this](const httplib::Request& raw, httplib::Response& out) {
+    using Handled = httplib::Server::HandlerResponse;
+    if (may_have_body(raw.method) && raw.target.size() <= kMaxTargetLength) {
+      return Handled::Unhandled;
+    }
+    serve(raw, out, nullptr);
+    return Handled::Handled;
+  });
+  constexpr const char* kAnyPath = "[\\s\\S]*";
+  http.Post(kAnyPath, serve_with_body);
+  http.Put(kAnyPath, serve_with_body);
+  http.Patch(kAnyPath, serve_with_body);
+  http.Delete(kAnyPath, serve_with_body);
+  // What the library refuses by itself: a broken request line, endless headers.
+  const httplib::Server::HandlerWithResponse refuse_broken = [this](const httplib::Request& raw,
+                                                                    httplib::Response& out) {
+    using Handled = httplib::Server::HandlerResponse;
+    if (out.has_header("X-Request-Id")) return Handled::Unhandled;
+    Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
+    exchange.close = true;
+    write(exchange, problem_response(out.status, "malformed", "The request cannot be read."), out);
+    return Handled::Handled;
+  };
+  http.set_error_handler(refuse_broken);
+  http.set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
+    if (out.status == 204) out.headers.erase("Content-Length");
+    out.headers.erase("Accept-Ranges");  // Ranges are ignored.
+  });
+}
+
+Result<void> HttpServer::Impl::bind() {
+  const bool any_port = config.port == 0;
+  const int bound = any_port ? http.bind_to_any_port(config.listen)
+                             : (http.bind_to_port(config.listen, config.port) ? config.port : -1);
+  if (bound <= 0) {
+    return Error{ErrorCode::kUnavailable,
+                 "cannot bind " + config.listen + ":" + std::to_string(config.port) + ": " +
+                     std::strerror(errno),
+                 "/listen"};
+  }
+  port = bound;
+  // The library listens with a backlog of 5.
+  if (::listen(listen_fd, kListenBacklog) != 0) {
+    return Error{ErrorCode::kUnavailable, std::string("cannot listen: ") + std::strerror(errno),
+                 ""};
+  }
+  return {};
+}
+
+void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out,
+                             const httplib::ContentReader* reader) {
+  const auto begin = SteadyClock::now();
+  // The library's request is not const, it only hands it out so.
+  Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = reader};
+  exchange.framing = framing_of(raw);
+  exchange.request.id = id_prefix + "-" + std::to_string(next_id++);
+  exchange.request.method = raw.method;
+
+  ++in_work;
+  Response response;
+  try {
+    response = answer(exchange);
+    drop_body(exchange);
+  } catch (const std::exception& exception) {
+    spdlog::error("{} {}", exchange.request.id, exception.what());
+    response =
+        problem_response(500, "internal", "The server's log has the details, by the request's id.");
+    exchange.close = true;
+  }
+  --in_work;
+
+  const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - begin).count();
+  services.metrics->count_request(raw.method, exchange.route, response.status, ms / 1e3);
+  spdlog::info("{} {} {} {} {} {:.1f} ms", exchange.request.id, raw.remote_addr, raw.method,
+               raw.target.substr(0, raw.target.find('?')), response.status, ms);
+  write(exchange, std::move(response), out);
+}
+
+Response HttpServer::Impl::answer(Exchange& exchange) {
+  const httplib::Request& raw = exchange.raw;
+  if (exchange.framing.kind == Framing::Kind::kBad) {
+    return problem_response(400, "malformed",
+                            "Content-Length and Transfer-Encoding do not say where the body ends.");
+  }
+  if (WorkerPool::is_shedding() || in_work > config.max_requests_in_work) {
+    exchange.close |= WorkerPool::is_shedding();
+    return problem_response(503, "busy", "Too many requests are in work; try again.");
+  }
+  if (raw.target.size() > kMaxTargetLength) {
+    return problem_response(414, "uri_too_long", "The request target is too long.");
+  }
+  if (raw.ranges.size() > 1) {
+    return problem_response(416, "range_not_satisfiable", "Ask for one range at most.");
+  }
+  if (!may_have_body(raw.method) && exchange.framing.kind != Framing::Kind::kNone) {
+    exchange.close |=
+        exchange.framing.kind == Framing::Kind::kChunked || exchange.framing.length > 0;
+  }
+  return answer_by_route(exchange);
+}
+
+Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
+  const httplib::Request& raw = exchange.raw;
+  Request& request = exchange.request;
+  const auto path = split_path(raw.target);
+  if (!path) return problem_response(404, "not_found", "There is no such path.");
+  auto match = router.match(raw.method, *path);
+  if (std::holds_alternative<NoRoute>(match)) return answer_by_file(exchange, *path);
+  if (const auto* wrong = std::get_if<MethodNotAllowed>(&match)) {
+    Response response =
+        problem_response(405, "method_not_allowed", "The path takes " + wrong->allow + ".");
+    response.headers.emplace_back("Allow", wrong->allow);
+    return response;
+  }
+  auto& [route, captures] = std::get<RouteMatch>(match);
+  exchange.route = route->pattern;
+  if (auto refusal = refuse(exchange, route->access)) return *refusal;
+  request.captures = std::move(captures);
+  request.query = {raw.params.begin(), raw.params.end()};
+  request.answer_format = best_format(raw.get_header_value("Accept"));
+  request.if_none_match = raw.get_header_value("If-None-Match");
+  if (may_have_body(raw.method)) {
+    if (auto refusal = take_body(exchange, route->body)) return *refusal;
+  }
+  return route->handler(request);
+}
+
+Response HttpServer::Impl::answer_by_file(Exchange& exchange, const PathSegments& path) {
+  const httplib::Request& raw = exchange.raw;
+  const bool is_icon = path.size() == 1 && path[0] == "favicon.ico";
+  const PathSegments file = is_icon ? PathSegments{"favicon.svg"} : path;
+  if (!files.exists(file)) return problem_response(404, "not_found", "There is no such path.");
+  exchange.route = "files";
+  if (raw.method != "GET" && raw.method != "HEAD") {
+    Response response = problem_response(405, "method_not_allowed", "The path takes GET, HEAD.");
+    response.headers.emplace_back("Allow", "GET, HEAD");
+    return response;
+  }
+  auto response = files.get(file, raw.get_header_value("If-None-Match"));
+  return response ? *response : problem_response(404, "not_found", "There is no such path.");
+}
+
+std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access access) {
+  const httplib::Request& raw = exchange.raw;
+  if (raw.method != "GET" && raw.method != "HEAD" && is_cross_site(raw)) {
+    return problem_response(403, "forbidden", "Another site's page may not change anything here.");
+  }
+  if (access == Access::kPublic) return std::nullopt;
+  const auto principal = tokens.identify(raw.get_header_value("Authorization"));
+  if (!principal) {
+    Response response = problem_response(401, "unauthorized", "Send Authorization: Bearer TOKEN.");
+    response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"cornerfix\"");
+    return response;
+  }
+  if (!may(principal->role, access)) {
+    return problem_response(403, "forbidden", "The token's role does not allow this.");
+  }
+  exchange.request.principal = *principal;
+  return std::nullopt;
+}
+
+std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule rule) {
+  if (rule == BodyRule::kIgnored) return std::nullopt;
+  if (exchange.framing.kind == Framing::Kind::kNone) {
+    if (rule == BodyRule::kOptionalDocument) {
+      exchange.request.body = "{}";
+      return std::nullopt;
+    }
+    return problem_response(411, "length_required", "A body with Content-Length is needed.");
+  }
+  const std::string content_type = exchange.raw.get_header_value("Content-Type");
+  const auto format = format_of_content_type(content_type);
+  if (!format) return unsupported_media_type(content_type);
+  std::string encoding = exchange.raw.get_header_value("Content-Encoding");
+  const bool is_gzip = strcasecmp(encoding.c_str(), "gzip") == 0;
+  if (!is_gzip && !encoding.empty() && strcasecmp(encoding.c_str(), "identity") != 0) {
+    Response response = problem_response(415, "unsupported_media_type",
+                                         "Content-Encoding is gzip or none, not " + encoding + ".");
+    response.headers.emplace_back("Accept-Encoding", "gzip");
+    return response;
+  }
+  auto body = read_body(exchange, is_gzip, config.max_body_bytes);
+  if (auto* refusal = std::get_if<Response>(&body)) return std::move(*refusal);
+  exchange.request.body_format = *format;
+  exchange.request.body = std::move(std::get<std::string>(body));
+  return std::nullopt;
+}
+
+void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Response& out) {
+  const bool close = exchange.close || *services.draining;
+  exchange.raw.ranges.clear();  // A whole answer to a range is allowed (RFC 9110, 14.2).
+  if (close) {
+    exchange.raw.headers.erase("Connection");
+    exchange.raw.headers.emplace("Connection", "close");
+  }
+  out.status = response.status;
+  out.set_header("X-Request-Id", exchange.request.id);
+  out.set_header("X-Content-Type-Options", "nosniff");
+  out.set_header("Content-Security-Policy", kContentSecurityPolicy);
+  out.set_header("Referrer-Policy", "no-referrer");
+  out.set_header("Vary", "Accept, Accept-Encoding, Authorization");
+  for (const auto& [name, value] : response.headers) out.set_header(name.c_str(), value);
+  if (!out.has_header("Cache-Control")) out.set_header("Cache-Control", "no-store");
+  if (response.events) {
+    out.set_chunked_content_provider(
+        response.content_type, [events = response.events](std::size_t, httplib::DataSink& sink) {
+          const auto piece = events->next(kHeartbeat);
+          if (piece) return sink.write(piece->data(), piece->size());
+          sink.done();
+          return false;
+        });
+    return;
+  }
+  if (response.body.empty()) return;
+  if (!close) {
+    out.set_content(std::move(response.body), response.content_type);
+    return;
+  }
+  // The library closes a connection whose content provider fails; this one does, once all is said.
+  const auto body = std::make_shared<const std::string>(std::move(response.body));
+  out.set_content_provider(body->size(), response.content_type,
+                           [body](std::size_t, std::size_t, httplib::DataSink& sink) {
+                             sink.write(body->data(), body->size());
+                             return false;
+                           });
+}
+
+Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config) {
+  auto impl = std::make_unique<Impl>(config);
+  if (auto opened = impl->open_services(); !opened) return opened.error();
+  impl->set_up_http();
+  if (auto bound = impl->bind(); !bound) return bound.error();
+  return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
+}
+
+HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+HttpServer::~HttpServer() = default;
+
+int HttpServer::port() const { return impl_->port; }
+
+bool HttpServer::run() {
+  // It ends when drain() shuts the socket down, which the library takes for a failure.
+  impl_->http.listen_after_bind();
+  return *impl_->services.draining;
+}
+
+void HttpServer::drain() {
+  *impl_->services.draining = true;
+  impl_->services.events->close();
+  ::shutdown(impl_->listen_fd, SHUT_RDWR);
+}
+
+}  // namespace cornerfix::server

@@ -1,0 +1,454 @@
+#include "server/localization_service.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <iterator>
+#include <map>
+#include <random>
+#include <utility>
+
+namespace cornerfix::server {
+
+using storage::MapInfo;
+using storage::MapStore;
+using storage::SessionRecord;
+using storage::SessionStore;
+using SteadyClock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr std::size_t kMapsAPage = 1000;
+constexpr int kMaxAttempts = 3;
+constexpr std::chrono::seconds kSweepInterval{30};
+
+/// 128 random bits: nobody guesses another robot's session.
+std::string make_session_id() {
+  std::random_device random;
+  std::string id;
+  for (int word = 0; word < 4; ++word) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    std::uint32_t bits = random();
+    for (int digit = 0; digit < 8; ++digit, bits >>= 4U) id += kDigits[bits & 15U];
+  }
+  return id;
+}
+
+/// Stamps within a batch increase already; a batch must also begin after the one before it.
+std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp) {
+  if (!last_stamp || first.scan.stamp > *last_stamp) return std::nullopt;
+  return Error{ErrorCode::kInvalidArgument,
+               "stamp " + std::to_string(first.scan.stamp) + " is not after " +
+                   std::to_string(*last_stamp) + ", the session's last",
+               "/scans/0/stamp"};
+}
+
+void add(StepTimes& sum, const StepTimes& times) {
+  sum.odometry_ms += times.odometry_ms;
+  sum.extract_ms += times.extract_ms;
+  sum.match_ms += times.match_ms;
+  sum.verify_ms += times.verify_ms;
+  sum.track_ms += times.track_ms;
+  sum.total_ms += times.total_ms;
+}
+
+struct ProcessedBatch {
+  Answer answer;  ///< To the last scan, with the times of all.
+  BatchEvents events;
+};
+
+ProcessedBatch process(Localizer& localizer, Status status, std::span<const RobotScan> scans) {
+  ProcessedBatch batch;
+  StepTimes times;
+  for (const RobotScan& scan : scans) {
+    batch.answer = localizer.process(scan);
+    add(times, batch.answer.times);
+    ++batch.events.scans;
+    if (batch.answer.status != status) {
+      batch.events.fixes += batch.answer.status == Status::kLocalized ? 1U : 0U;
+      batch.events.lost += batch.answer.status == Status::kLost ? 1U : 0U;
+    }
+    status = batch.answer.status;
+  }
+  batch.answer.times = times;
+  return batch;
+}
+
+Error no_such_session(const std::string& id) {
+  return {ErrorCode::kNotFound, "there is no session " + id, ""};
+}
+
+}  // namespace
+
+/// A session in memory. A localizer knows its tracked map by its place in a list; `map_ids` is that
+/// list. In the store and in `stored_state` it is the map's id itself, because by the time it is
+/// read the list may be another.
+struct LocalizationService::Session {
+  std::mutex mutex;
+  SessionRecord record;  ///< Without the state.
+  api::Lidar lidar;
+  LocalizerParams params;
+  std::atomic<Status> status = Status::kCollecting;  ///< Counted without the mutex.
+  LocalizerState stored_state;                       ///< What the next localizer goes on from.
+  std::optional<Localizer> localizer;  ///< Made when the first batch comes; ahead of the above.
+  std::vector<std::int64_t> map_ids;   ///< In the localizer's order.
+  std::optional<RobotScan> last_scan;
+  std::vector<Point2> feature_points;
+  std::map<std::string, std::int64_t> ids_by_name;  ///< Of the maps asked for, once seen.
+  bool is_current = false;       ///< False: to be read from the store before use.
+  std::uint64_t epoch = 0;       ///< Of the store when it was last known to be current.
+  std::uint64_t maps_epoch = 0;  ///< Of the store when the localizer's maps were.
+  SteadyClock::time_point last_used;
+
+  [[nodiscard]] SessionView view() const {
+    return {.id = record.id,
+            .robot = record.robot,
+            .created = record.created,
+            .maps = record.maps,
+            .lidar_json = record.lidar_json,
+            .options_json = record.options_json,
+            .expected_sequence = record.expected_sequence,
+            .status = status,
+            .last_answer = record.last_answer,
+            .last_scan = last_scan,
+            .feature_points = feature_points};
+  }
+
+  [[nodiscard]] LocalizerState state() const {
+    if (!localizer) return stored_state;
+    LocalizerState state = localizer->state();
+    if (state.tracked_map >= 0) {
+      state.tracked_map = static_cast<int>(map_ids[static_cast<std::size_t>(state.tracked_map)]);
+    }
+    return state;
+  }
+
+  /// Goes on in these maps. When the tracked one is not among them, the robot is lost.
+  void use_maps(std::vector<LocalizationMapPtr> maps, std::vector<std::int64_t> ids,
+                const Localizer::Clock& clock) {
+    if (localizer && ids == map_ids) {
+      if (maps != localizer->maps()) localizer->replace_maps(std::move(maps));
+      return;
+    }
+    LocalizerState state = this->state();
+    if (state.tracked_map >= 0) {
+      const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
+      const bool is_there = found != ids.end();
+      state.tracked_map = is_there ? static_cast<int>(found - ids.begin()) : -1;
+      if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
+    }
+    status = state.status;
+    localizer.emplace(std::move(maps), params, clock);
+    localizer->restore(std::move(state));
+    map_ids = std::move(ids);
+  }
+};
+
+/// A session held for this thread alone.
+class LocalizationService::LockedSession {
+ public:
+  explicit LockedSession(std::shared_ptr<Session> session)
+      : session_(std::move(session)), lock_(session_->mutex) {}
+  Session& operator*() const { return *session_; }
+  Session* operator->() const { return session_.get(); }
+
+ private:
+  std::shared_ptr<Session> session_;
+  std::unique_lock<std::mutex> lock_;
+};
+
+LocalizationService::LocalizationService(std::shared_ptr<StoreAccess> stores,
+                                         std::shared_ptr<MapLibrary> maps,
+                                         LocalizationServiceSettings settings)
+    : stores_(std::move(stores)), maps_(std::move(maps)), settings_(std::move(settings)) {}
+
+LocalizationService::~LocalizationService() = default;
+
+Result<SessionView> LocalizationService::create(const api::CreateSessionRequest& request) {
+  for (const std::string& map : request.maps) {
+    if (const auto info = maps_->find(map); !info) return info.error();
+  }
+  const SessionRecord record{.id = make_session_id(),
+                             .robot = request.robot,
+                             .created = settings_.now(),
+                             .maps = request.maps,
+                             .lidar_json = request.lidar_json,
+                             .options_json = request.options_json,
+                             .expected_sequence = 0,
+                             .last_answer = {},
+                             .state = {}};
+  const auto inserted =
+      stores_->with_sessions([&](SessionStore& sessions) { return sessions.insert(record); });
+  if (!inserted) return inserted.error();
+  return find(record.id);
+}
+
+Result<SessionView> LocalizationService::find(const std::string& id) {
+  const auto session = lock(id);
+  if (!session) return session.error();
+  return (*session)->view();
+}
+
+Result<void> LocalizationService::visit(const std::string& id,
+                                        const std::function<void(const SessionView&)>& look) {
+  const auto session = lock(id);
+  if (!session) return session.error();
+  look((*session)->view());
+  return {};
+}
+
+SessionCounts LocalizationService::count_by_status() {
+  SessionCounts counts{};
+  const std::lock_guard lock(table_mutex_);
+  for (const auto& [id, session] : table_) {
+    ++counts[static_cast<std::size_t>(session->status.load())];
+  }
+  return counts;
+}
+
+Result<std::vector<SessionView>> LocalizationService::list() {
+  auto records = stores_->with_session_list([](SessionStore& sessions) { return sessions.all(); });
+  if (!records) return records.error();
+  std::vector<SessionView> views;
+  for (SessionRecord& record : *records) {
+    views.push_back({.id = std::move(record.id),
+                     .robot = std::move(record.robot),
+                     .created = std::move(record.created),
+                     .maps = std::move(record.maps),
+                     .lidar_json = std::move(record.lidar_json),
+                     .options_json = std::move(record.options_json),
+                     .expected_sequence = record.expected_sequence,
+                     .status = record.state.status,
+                     .last_answer = std::move(record.last_answer)});
+  }
+  return views;
+}
+
+Result<void> LocalizationService::remove(const std::string& id) {
+  forget(id);
+  return stores_->with_sessions([&](SessionStore& sessions) { return sessions.remove(id); });
+}
+
+Result<SessionView> LocalizationService::reset(const std::string& id) {
+  for (int attempt = 1;; ++attempt) {
+    const auto locked = lock(id);
+    if (!locked) return locked.error();
+    Session& session = **locked;
+    session.is_current = false;  // Until the store has it too.
+    const LocalizerState forgotten;
+    const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
+                                        .expected_sequence = session.record.expected_sequence,
+                                        .last_answer = session.record.last_answer,
+                                        .state = &forgotten};
+    const auto saved =
+        stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
+    if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
+    if (!saved) return saved.error();
+    if (session.localizer) session.localizer->reset();
+    session.stored_state = {};
+    session.status = Status::kCollecting;
+    session.last_scan.reset();
+    session.feature_points.clear();
+    session.is_current = true;
+    return session.view();
+  }
+}
+
+Result<SessionHead> LocalizationService::head(const std::string& id) {
+  const auto session = lock(id);
+  if (!session) return session.error();
+  return SessionHead{(*session)->record.robot, (*session)->lidar};
+}
+
+Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
+                                                     const api::SessionScansRequest& request) {
+  for (int attempt = 1;; ++attempt) {
+    const auto locked = lock(id);
+    if (!locked) return locked.error();
+    Session& session = **locked;
+    if (request.sequence == session.record.expected_sequence) {
+      auto outcome = take_batch(session, request);
+      const bool overtaken = !outcome && outcome.error().code == ErrorCode::kConflict &&
+                             !session.is_current && attempt < kMaxAttempts;
+      if (overtaken) continue;  // Another process took the batch: answer as the store says.
+      return outcome;
+    }
+    if (request.sequence + 1 == session.record.expected_sequence) {
+      return BatchOutcome{.answer = session.record.last_answer};
+    }
+    return BatchOutcome{.expected_sequence = session.record.expected_sequence};
+  }
+}
+
+Result<BatchOutcome> LocalizationService::take_batch(Session& session,
+                                                     const api::SessionScansRequest& request) {
+  if (auto ready = use_current_maps(session); !ready) return ready.error();
+  const auto last_stamp = session.localizer->last_stamp();
+  if (auto error = check_stamp(request.scans.front(), last_stamp)) return *error;
+
+  session.is_current = false;  // Until the store has the batch too.
+  const ProcessedBatch batch = process(*session.localizer, session.status, request.scans);
+  const RobotScan& last = request.scans.back();
+  const std::string answer = settings_.render({.session = session.record.id,
+                                               .sequence = request.sequence,
+                                               .stamp = last.scan.stamp,
+                                               .answer = batch.answer});
+  if (auto saved = save(session, request.sequence + 1, answer); !saved) return saved.error();
+  session.status = batch.answer.status;
+  session.lidar.beams = last.scan.ranges.size();
+  session.last_scan = last;
+  session.feature_points = session.localizer->local_features_base_link();
+  session.is_current = true;
+  if (settings_.on_batch) {
+    settings_.on_batch(session.record.id, batch.events, [&] { return session.view(); });
+  }
+  return BatchOutcome{.answer = answer};
+}
+
+Result<void> LocalizationService::save(Session& session, std::uint64_t expected_sequence,
+                                       const std::string& answer) {
+  const LocalizerState state = session.state();
+  const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
+                                      .expected_sequence = expected_sequence,
+                                      .last_answer = answer,
+                                      .state = &state};
+  auto saved = stores_->with_sessions(
+      [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
+  if (!saved) return saved;
+  session.record.expected_sequence = expected_sequence;
+  session.record.last_answer = answer;
+  return {};
+}
+
+Result<std::string> LocalizationService::localize(const std::string& map,
+                                                  const api::LocalizeRequest& request) {
+  const auto loaded = maps_->load(map);
+  if (!loaded) return loaded.error();
+  std::vector<LocalizationMapPtr> maps;
+  if ((*loaded)->grid().width > 0) maps.push_back(*loaded);
+  Localizer localizer(std::move(maps), request.params, settings_.clock_ms);
+  const ProcessedBatch batch = process(localizer, Status::kCollecting, request.scans);
+  return settings_.render({.session = {},
+                           .sequence = std::nullopt,
+                           .stamp = request.scans.back().scan.stamp,
+                           .answer = batch.answer});
+}
+
+Result<LocalizationService::LockedSession> LocalizationService::lock(const std::string& id) {
+  const auto now = SteadyClock::now();
+  forget_idle(now);
+  const auto epoch = stores_->epoch();
+  if (!epoch) return epoch.error();
+  std::shared_ptr<Session> session;
+  {
+    const std::lock_guard lock(table_mutex_);
+    std::shared_ptr<Session>& entry = table_[id];
+    if (!entry) entry = std::make_shared<Session>();
+    session = entry;
+  }
+  LockedSession locked(std::move(session));
+  locked->last_used = now;
+  locked->record.id = id;
+  if (!locked->is_current || locked->epoch != *epoch) {
+    if (auto loaded = refresh(*locked); !loaded) {
+      locked->is_current = false;
+      if (loaded.error().code == ErrorCode::kNotFound) forget(id);
+      return loaded.error();
+    }
+    locked->epoch = *epoch;
+  }
+  return locked;
+}
+
+Result<void> LocalizationService::refresh(Session& session) {
+  const std::string id = session.record.id;
+  auto found = stores_->with_sessions([&](SessionStore& sessions) { return sessions.find(id); });
+  if (!found) return found.error();
+  if (!found->has_value()) return no_such_session(id);
+  SessionRecord& record = **found;
+  // Every batch raises the one number and a reset zeroes the other: both the same, nobody was here.
+  const bool is_unchanged = session.is_current && session.localizer &&
+                            record.expected_sequence == session.record.expected_sequence &&
+                            record.state.scans == session.localizer->state().scans;
+  if (is_unchanged) return {};
+  const auto lidar = api::lidar_from_json(record.lidar_json);
+  if (!lidar) return Error{ErrorCode::kCorruptData, "session " + id + " has no lidar", ""};
+  session.lidar = *lidar;
+  session.params = api::params_from_json(record.options_json);
+  session.stored_state = std::exchange(record.state, {});
+  session.record = std::move(record);
+  const auto& submap = session.stored_state.submap;
+  if (!session.lidar.beams && !submap.empty()) {
+    session.lidar.beams = submap.front().scan.ranges.size();
+  }
+  session.status = session.stored_state.status;
+  session.localizer.reset();
+  session.map_ids.clear();
+  session.last_scan.reset();
+  session.feature_points.clear();
+  session.is_current = true;
+  return {};
+}
+
+Result<void> LocalizationService::use_current_maps(Session& session) {
+  if (session.localizer && session.maps_epoch == session.epoch) return {};
+  auto infos = maps_of(session);
+  if (!infos) return infos.error();
+  std::vector<LocalizationMapPtr> maps;
+  std::vector<std::int64_t> ids;
+  for (const MapInfo& info : *infos) {
+    if (!info.has_bounds) continue;  // Nothing in it yet.
+    auto map = maps_->load(info);
+    if (!map) return map.error();
+    maps.push_back(std::move(*map));
+    ids.push_back(info.id);
+  }
+  session.use_maps(std::move(maps), std::move(ids), settings_.clock_ms);
+  session.maps_epoch = session.epoch;
+  return {};
+}
+
+Result<std::vector<MapInfo>> LocalizationService::maps_of(Session& session) {
+  if (session.record.maps.empty()) return every_map();
+  std::vector<MapInfo> infos;
+  for (const std::string& name : session.record.maps) {
+    auto info = maps_->find(name);
+    if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
+    // A new map of an old name is another map.
+    if (!info || session.ids_by_name.try_emplace(name, info->id).first->second != info->id) {
+      return Error{ErrorCode::kConflict, "the session's map " + name + " was deleted", ""};
+    }
+    infos.push_back(std::move(*info));
+  }
+  return infos;
+}
+
+Result<std::vector<MapInfo>> LocalizationService::every_map() {
+  std::vector<MapInfo> infos;
+  for (;;) {
+    auto page = maps_->list(infos.empty() ? "" : infos.back().name, kMapsAPage);
+    if (!page) return page.error();
+    std::ranges::move(*page, std::back_inserter(infos));
+    if (page->size() < kMapsAPage) break;
+  }
+  // A new map comes last, so the others keep their places.
+  std::ranges::sort(infos, {}, &MapInfo::id);
+  return infos;
+}
+
+void LocalizationService::forget(const std::string& id) {
+  const std::lock_guard lock(table_mutex_);
+  table_.erase(id);
+}
+
+void LocalizationService::forget_idle(SteadyClock::time_point now) {
+  const std::lock_guard lock(table_mutex_);
+  if (now < next_sweep_) return;
+  next_sweep_ = now + kSweepInterval;
+  // One in use is held by its user too, and its time must not be read meanwhile.
+  std::erase_if(table_, [&](const auto& entry) {
+    const auto& session = entry.second;
+    return session.use_count() == 1 && now - session->last_used > settings_.idle_time;
+  });
+}
+
+}  // namespace cornerfix::server

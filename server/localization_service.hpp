@@ -1,0 +1,141 @@
+/// \file  The use cases on robots: sessions that take batch after batch, and single questions.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include <cornerfix/localizer.hpp>
+#include <cornerfix/result.hpp>
+
+#include "api/requests.hpp"
+#include "server/map_library.hpp"
+#include "server/store_access.hpp"
+
+namespace cornerfix::server {
+
+/// A session as others see it.
+struct SessionView {
+  std::string id;
+  std::string robot;
+  std::string created;            ///< RFC 3339, UTC.
+  std::vector<std::string> maps;  ///< As asked for; empty: every map.
+  std::string lidar_json, options_json;
+  std::uint64_t expected_sequence = 0;
+  Status status = Status::kCollecting;
+  std::string last_answer;               ///< Rendered; empty before the first.
+  std::optional<RobotScan> last_scan{};  ///< Since this process took a batch.
+  std::vector<Point2> feature_points{};  ///< The submap's features, in base_link at the last scan.
+};
+
+/// An answer before it is rendered.
+struct AnswerToRender {
+  std::string_view session;               ///< Empty for a single question.
+  std::optional<std::uint64_t> sequence;  ///< Of the batch; nothing for a single question.
+  double stamp = 0.0;                     ///< Of the last scan [s].
+  const Answer& answer;
+};
+using AnswerRenderer = std::function<std::string(const AnswerToRender&)>;
+
+/// Sessions by status, in the order of `Status`.
+using SessionCounts = std::array<std::size_t, 4>;
+
+/// What a batch changed, for counting.
+struct BatchEvents {
+  std::size_t scans = 0;
+  std::size_t fixes = 0;  ///< Times that it became localized.
+  std::size_t lost = 0;   ///< Times that it became lost.
+};
+/// Called while the session is held; `view` makes the view, which costs a copy.
+using BatchListener = std::function<void(const std::string& session, const BatchEvents&,
+                                         const std::function<SessionView()>& view)>;
+
+/// What is needed to read a session's batch.
+struct SessionHead {
+  std::string robot;
+  api::Lidar lidar;  ///< With the `beams` of the first scan, if the session itself named none.
+};
+
+/// What came of a batch.
+struct BatchOutcome {
+  /// Set when the batch was not the next one: nothing was done, and this one is awaited.
+  std::optional<std::uint64_t> expected_sequence{};
+  std::string answer{};  ///< Rendered; the same bytes whenever the batch is posted again.
+};
+
+struct LocalizationServiceSettings {
+  AnswerRenderer render;
+  NowText now;
+  Localizer::Clock clock_ms;           ///< For the timing in answers; may be empty.
+  BatchListener on_batch;              ///< Called after a batch was stored; may be empty.
+  std::chrono::minutes idle_time{30};  ///< Then a session is kept in the store only.
+};
+
+/// Sessions live in memory while robots post, and in the store always: what was answered survives
+/// the process, and several processes may serve the same file. Batches of one session are taken
+/// one after the other, those of different ones side by side. A call that fails changes nothing.
+/// Any threads may call.
+class LocalizationService {
+ public:
+  LocalizationService(std::shared_ptr<StoreAccess> stores, std::shared_ptr<MapLibrary> maps,
+                      LocalizationServiceSettings settings);
+  ~LocalizationService();
+
+  /// kNotFound when a map is unknown.
+  [[nodiscard]] Result<SessionView> create(const api::CreateSessionRequest& request);
+  [[nodiscard]] Result<SessionView> find(const std::string& id);
+  /// The same while the session is held: no batch is answered until `look` returns.
+  [[nodiscard]] Result<void> visit(const std::string& id,
+                                   const std::function<void(const SessionView&)>& look);
+  [[nodiscard]] Result<std::vector<SessionView>> list();
+  /// Those in memory only.
+  [[nodiscard]] SessionCounts count_by_status();
+  [[nodiscard]] Result<void> remove(const std::string& id);
+  /// The robot was carried: forgets the pose, the submap and the stamps; the sequence goes on.
+  [[nodiscard]] Result<SessionView> reset(const std::string& id);
+
+  [[nodiscard]] Result<SessionHead> head(const std::string& id);
+
+  /// kConflict when the session's map was deleted, kInvalidArgument when stamps do not increase.
+  [[nodiscard]] Result<BatchOutcome> post_scans(const std::string& id,
+                                                const api::SessionScansRequest& request);
+
+  /// One question without a session: the rendered answer. kNotFound for an unknown map.
+  [[nodiscard]] Result<std::string> localize(const std::string& map,
+                                             const api::LocalizeRequest& request);
+
+ private:
+  struct Session;
+  class LockedSession;
+
+  [[nodiscard]] Result<LockedSession> lock(const std::string& id);
+  [[nodiscard]] Result<void> refresh(Session& session);
+  [[nodiscard]] Result<void> use_current_maps(Session& session);
+  [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(Session& session);
+  [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();
+  [[nodiscard]] Result<BatchOutcome> take_batch(Session& session,
+                                                const api::SessionScansRequest& request);
+  [[nodiscard]] Result<void> save(Session& session, std::uint64_t expected_sequence,
+                                  const std::string& answer);
+  void forget(const std::string& id);
+  void forget_idle(std::chrono::steady_clock::time_point now);
+
+  std::shared_ptr<StoreAccess> stores_;
+  std::shared_ptr<MapLibrary> maps_;
+  LocalizationServiceSettings settings_;
+
+  std::mutex table_mutex_;
+  std::unordered_map<std::string, std::shared_ptr<Session>> table_;
+  std::chrono::steady_clock::time_point next_sweep_;
+};
+
+}  // namespace cornerfix::server

@@ -1,0 +1,297 @@
+#include "server/map_library.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace cornerfix::server {
+
+using storage::MapInfo;
+using storage::MapStore;
+
+namespace {
+
+constexpr int kMaxAttempts = 3;
+constexpr double kStampToleranceS = 1e-3;
+constexpr std::size_t kMaxStampsTold = 20;
+
+std::size_t bytes_of(const LocalizationMap& map) {
+  constexpr std::size_t kBytesPerCell = 6;  // The grid, and the fields made from it.
+  return sizeof(LocalizationMap) + map.features().size() * sizeof(Feature) +
+         map.descriptors().entries.size() * sizeof(DescriptorEntry) +
+         map.descriptors().offsets.size() * sizeof(std::uint32_t) +
+         map.grid().cells.size() * kBytesPerCell;
+}
+
+/// Whether another process came in between, so that trying again on its result makes sense.
+bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
+
+/// The scans that the map does not hold and that are not earlier in the batch.
+std::vector<const PosedScan*> new_scans(std::span<const PosedScan> scans,
+                                        const std::vector<bool>& known) {
+  std::vector<const PosedScan*> fresh;
+  std::unordered_set<double> stamps;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (!known[i] && stamps.insert(scans[i].scan.stamp).second) fresh.push_back(&scans[i]);
+  }
+  return fresh;
+}
+
+Error at_scan(Error error, std::ptrdiff_t index) {
+  error.field = "/scans/" + std::to_string(index);
+  return error;
+}
+
+const api::StampedPose* nearest(const std::vector<api::StampedPose>& poses, double stamp) {
+  const auto after = std::ranges::lower_bound(poses, stamp, {}, &api::StampedPose::stamp);
+  const api::StampedPose* best = after == poses.end() ? nullptr : &*after;
+  if (after != poses.begin()) {
+    const api::StampedPose* before = &*std::prev(after);
+    if (best == nullptr || stamp - before->stamp < best->stamp - stamp) best = before;
+  }
+  const bool is_near = best != nullptr && std::abs(best->stamp - stamp) <= kStampToleranceS;
+  return is_near ? best : nullptr;
+}
+
+Error uncovered_key_frames(const std::vector<double>& missing, std::size_t key_frames) {
+  std::string message = "no pose within 1 ms of " + std::to_string(missing.size()) + " of " +
+                        std::to_string(key_frames) + " key frames, at stamps ";
+  const std::size_t told = std::min(missing.size(), kMaxStampsTold);
+  for (std::size_t i = 0; i < told; ++i) {
+    message += (i == 0 ? "" : ", ") + std::to_string(missing[i]);
+  }
+  if (told < missing.size()) message += ", …";
+  return {ErrorCode::kInvalidArgument, message, "/poses"};
+}
+
+Result<std::vector<Pose2>> poses_of(const std::vector<PosedScan>& key_frames,
+                                    std::span<const api::StampedPose> given) {
+  std::vector<api::StampedPose> poses(given.begin(), given.end());
+  std::ranges::sort(poses, {}, &api::StampedPose::stamp);
+  std::vector<Pose2> moved;
+  std::vector<double> missing;
+  for (const PosedScan& key_frame : key_frames) {
+    const api::StampedPose* pose = nearest(poses, key_frame.scan.stamp);
+    if (pose != nullptr) {
+      moved.push_back(pose->T_map_base_link);
+    } else {
+      missing.push_back(key_frame.scan.stamp);
+    }
+  }
+  if (!missing.empty()) return uncovered_key_frames(missing, key_frames.size());
+  return moved;
+}
+
+}  // namespace
+
+/// A map being changed or made ready, one thread at a time.
+struct MapLibrary::GrowingMap {
+  explicit GrowingMap(std::int64_t id) : map_id(id) {}
+
+  const std::int64_t map_id;
+  std::mutex mutex;
+  std::optional<Mapper> mapper;  ///< Holds the key frames of `revision`.
+  std::uint64_t revision = 0;
+
+  [[nodiscard]] bool holds(const MapInfo& info) const {
+    return mapper.has_value() && revision == info.revision;
+  }
+};
+
+MapLibrary::MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now)
+    : stores_(std::move(stores)), limits_(limits), now_(std::move(now)) {}
+
+MapLibrary::~MapLibrary() = default;
+
+Result<std::vector<MapInfo>> MapLibrary::list(std::string_view after, std::size_t limit) {
+  return stores_->with_map_entries([&](MapStore& maps) { return maps.list(after, limit); });
+}
+
+Result<MapInfo> MapLibrary::find(std::string_view name) {
+  return stores_->with_map_entries([&](MapStore& maps) { return maps.find(name); });
+}
+
+Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request) {
+  return stores_->with_maps([&](MapStore& maps) {
+    return maps.put(name, request.description, request.lidar_json, request.parameters_json, now_());
+  });
+}
+
+Result<void> MapLibrary::remove(std::string_view name) {
+  return stores_->with_maps([&](MapStore& maps) { return maps.remove(name); });
+}
+
+Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {
+  for (int attempt = 1;; ++attempt) {
+    auto report = grow_once(name, scans);
+    if (report || attempt == kMaxAttempts || !is_worth_another_try(report.error())) return report;
+  }
+}
+
+Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name,
+                                              std::span<const PosedScan> scans) {
+  auto found = find(name);
+  if (!found) return found.error();
+  const auto growing = this->growing(found->id);
+  const std::lock_guard lock(growing->mutex);
+  found = find(name);  // The batch before this one may just have changed it.
+  if (!found) return found.error();
+  if (auto rebuilt = rebuild(*growing, *found); !rebuilt) return rebuilt.error();
+
+  std::vector<double> stamps;
+  for (const PosedScan& scan : scans) stamps.push_back(scan.scan.stamp);
+  const auto known =
+      stores_->with_maps([&](MapStore& maps) { return maps.known_stamps(found->id, stamps); });
+  if (!known) return known.error();
+  const auto fresh = new_scans(scans, *known);
+
+  MapGrowthReport report{.accepted = fresh.size(),
+                         .duplicates = scans.size() - fresh.size(),
+                         .key_frames = found->key_frame_count,
+                         .features = found->feature_count,
+                         .revision = found->revision};
+  if (fresh.empty()) return report;
+
+  // From here on the mapper is ahead of the store, until the store has the growth too.
+  Mapper mapper = std::move(*growing->mapper);
+  growing->mapper.reset();
+  std::vector<double> new_stamps;
+  std::vector<PosedScan> new_key_frames;
+  for (const PosedScan* scan : fresh) {
+    new_stamps.push_back(scan->scan.stamp);
+    if (!mapper.is_key_frame(*scan)) continue;
+    if (auto error = mapper.reject(*scan)) return at_scan(*error, scan - scans.data());
+    mapper.add(*scan);
+    new_key_frames.push_back(*scan);
+  }
+  const Bounds bounds = mapper.bounds().value_or(Bounds{});
+  const storage::MapGrowth growth{.stamps = new_stamps,
+                                  .new_key_frames = new_key_frames,
+                                  .feature_count = mapper.feature_count(),
+                                  .min_x = bounds.min.x(),
+                                  .min_y = bounds.min.y(),
+                                  .max_x = bounds.max.x(),
+                                  .max_y = bounds.max.y()};
+  const auto grown = stores_->with_maps(
+      [&](MapStore& maps) { return maps.grow(found->id, found->revision, growth, now_()); });
+  if (!grown) return grown.error();
+  growing->mapper = std::move(mapper);
+  growing->revision = grown->revision;
+  report.key_frames = grown->key_frame_count;
+  report.features = grown->feature_count;
+  report.revision = grown->revision;
+  return report;
+}
+
+Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
+                                           std::span<const api::StampedPose> poses) {
+  const auto found = find(name);
+  if (!found) return found.error();
+  const auto growing = this->growing(found->id);
+  const std::lock_guard lock(growing->mutex);
+  return stores_->with_maps([&](MapStore& maps) -> Result<MapInfo> {
+    const auto current = maps.find(name);
+    if (!current) return current.error();
+    const auto key_frames = maps.key_frames(current->id);
+    if (!key_frames) return key_frames.error();
+    const auto moved = poses_of(*key_frames, poses);
+    if (!moved) return moved.error();
+    return maps.move_key_frames(current->id, current->revision, *moved, now_());
+  });
+}
+
+Result<LocalizationMapPtr> MapLibrary::load(std::string_view name) {
+  const auto info = find(name);
+  if (!info) return info.error();
+  return load(*info);
+}
+
+Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info) {
+  if (auto map = cached({info.id, info.revision})) return map;
+  const auto growing = this->growing(info.id);
+  const std::lock_guard lock(growing->mutex);
+  const auto current = find(info.name);
+  if (!current) return current.error();
+  const Key key{current->id, current->revision};
+  if (auto map = cached(key)) return map;
+  auto content = content_of(*growing, *current);
+  if (!content) return content.error();
+  const auto map = std::make_shared<const LocalizationMap>(current->name, current->revision,
+                                                           std::move(*content));
+  remember(key, map);
+  return LocalizationMapPtr(map);
+}
+
+Result<MapContent> MapLibrary::content_of(GrowingMap& growing, const MapInfo& info) {
+  auto stored = stores_->with_maps([&](MapStore& maps) { return maps.content(info.id); });
+  if (!stored) return stored.error();
+  if (stored->has_value() && (*stored)->revision == info.revision) {
+    return std::move((*stored)->content);
+  }
+  const bool was_growing = growing.mapper.has_value();
+  if (auto rebuilt = rebuild(growing, info); !rebuilt) return rebuilt.error();
+  MapContent content = growing.mapper->build();
+  if (!was_growing) growing.mapper.reset();  // Its key frames are needed for growing only.
+  const auto kept = stores_->with_maps(
+      [&](MapStore& maps) { return maps.store_content(info.id, info.revision, content); });
+  if (!kept) return kept.error();
+  return content;
+}
+
+Result<void> MapLibrary::rebuild(GrowingMap& growing, const MapInfo& info) {
+  if (growing.holds(info)) return {};
+  growing.mapper.reset();
+  auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
+  if (!key_frames) return key_frames.error();
+  Mapper mapper(api::mapper_params_from_json(info.parameters_json));
+  for (PosedScan& key_frame : *key_frames) mapper.add(std::move(key_frame));
+  growing.mapper = std::move(mapper);
+  growing.revision = info.revision;
+  return {};
+}
+
+std::shared_ptr<MapLibrary::GrowingMap> MapLibrary::growing(std::int64_t map_id) {
+  const std::lock_guard lock(growing_mutex_);
+  const auto found =
+      std::ranges::find(growing_, map_id, [](const auto& entry) { return entry->map_id; });
+  if (found != growing_.end()) {
+    growing_.splice(growing_.begin(), growing_, found);
+    return growing_.front();
+  }
+  // One in use stays, so that there are never two of the same map.
+  for (auto last = growing_.end(); growing_.size() >= limits_.max_mappers;) {
+    if (last == growing_.begin()) break;
+    --last;
+    if (last->use_count() == 1) last = growing_.erase(last);
+  }
+  return growing_.emplace_front(std::make_shared<GrowingMap>(map_id));
+}
+
+LocalizationMapPtr MapLibrary::cached(const Key& key) {
+  const std::lock_guard lock(cache_mutex_);
+  const auto found = std::ranges::find(cache_, key, &CachedMap::key);
+  if (found == cache_.end()) return nullptr;
+  cache_.splice(cache_.begin(), cache_, found);
+  return cache_.front().map;
+}
+
+void MapLibrary::remember(const Key& key, const LocalizationMapPtr& map) {
+  const std::lock_guard lock(cache_mutex_);
+  cache_.remove_if([&](const CachedMap& old) { return old.key.first == key.first; });
+  cache_.push_front({key, map, bytes_of(*map)});
+  std::size_t bytes = 0;
+  for (auto entry = cache_.begin(); entry != cache_.end();) {
+    bytes += entry->bytes;
+    const bool is_first = entry == cache_.begin();
+    entry = bytes > limits_.max_map_bytes && !is_first ? cache_.erase(entry) : std::next(entry);
+  }
+}
+
+MapCacheUse MapLibrary::cache_use() {
+  const std::lock_guard lock(cache_mutex_);
+  MapCacheUse use{.maps = cache_.size()};
+  for (const CachedMap& entry : cache_) use.bytes += entry.bytes;
+  return use;
+}
+
+}  // namespace cornerfix::server

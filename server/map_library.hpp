@@ -1,0 +1,107 @@
+/// \file  The use cases on maps: describing, growing, moving, and having one ready to localize in.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <cornerfix/localization_map.hpp>
+#include <cornerfix/mapper.hpp>
+#include <cornerfix/result.hpp>
+
+#include "api/requests.hpp"
+#include "server/store_access.hpp"
+
+namespace cornerfix::server {
+
+/// RFC 3339 in UTC; handed in, so that tests need no wall clock.
+using NowText = std::function<std::string()>;
+
+struct MapLibraryLimits {
+  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
+  std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
+};
+
+/// What a mapping batch did, and where the map stands after it.
+struct MapGrowthReport {
+  std::size_t accepted = 0;    ///< Scans of the batch that were new.
+  std::size_t duplicates = 0;  ///< Scans whose stamp the map held already.
+  std::size_t key_frames = 0;  ///< Of the map.
+  std::size_t features = 0;    ///< Of the map.
+  std::uint64_t revision = 0;
+};
+
+struct MapCacheUse {
+  std::size_t maps = 0;
+  std::size_t bytes = 0;
+};
+
+/// Any threads may call; changes of one map happen one after the other. What a call acknowledged
+/// is on disk, and a call that fails has changed nothing. Other processes may change the same file.
+class MapLibrary {
+ public:
+  MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now);
+  ~MapLibrary();
+
+  /// By ascending name, after `after` (empty: from the start).
+  [[nodiscard]] Result<std::vector<storage::MapInfo>> list(std::string_view after,
+                                                           std::size_t limit);
+  [[nodiscard]] Result<storage::MapInfo> find(std::string_view name);
+  /// True when the map was created.
+  [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
+  [[nodiscard]] Result<void> remove(std::string_view name);
+
+  [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
+                                             std::span<const PosedScan> scans);
+
+  /// Moves every key frame to the pose of its stamp (nearest within 1 ms). kInvalidArgument, with
+  /// the stamps that are missing, when some have none.
+  [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
+                                                        std::span<const api::StampedPose> poses);
+
+  /// The newest revision of a map, from memory, from the store, or made anew and then stored.
+  [[nodiscard]] Result<LocalizationMapPtr> load(std::string_view name);
+  /// The same, when the caller knows that `info` is current.
+  [[nodiscard]] Result<LocalizationMapPtr> load(const storage::MapInfo& info);
+
+  [[nodiscard]] MapCacheUse cache_use();
+
+ private:
+  struct GrowingMap;
+  using Key = std::pair<std::int64_t, std::uint64_t>;  ///< Map id and revision.
+  struct CachedMap {
+    Key key;
+    LocalizationMapPtr map;
+    std::size_t bytes = 0;
+  };
+
+  [[nodiscard]] std::shared_ptr<GrowingMap> growing(std::int64_t map_id);
+  [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
+  [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
+                                                  std::span<const PosedScan> scans);
+  [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info);
+  [[nodiscard]] LocalizationMapPtr cached(const Key& key);
+  void remember(const Key& key, const LocalizationMapPtr& map);
+
+  std::shared_ptr<StoreAccess> stores_;
+  MapLibraryLimits limits_;
+  NowText now_;
+
+  std::mutex growing_mutex_;
+  std::list<std::shared_ptr<GrowingMap>> growing_;  ///< Last used first.
+
+  std::mutex cache_mutex_;
+  std::list<CachedMap> cache_;  ///< Last used first.
+};
+
+}  // namespace cornerfix::server

@@ -1,0 +1,228 @@
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+#include <cornerfix/map_image.hpp>
+
+#include "api/json_codec.hpp"
+#include "server/responses.hpp"
+#include "server/routes.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+using api::Json;
+using storage::MapInfo;
+
+constexpr std::size_t kDefaultPage = 100;
+
+api::MapEntry entry_of(const MapInfo& info) {
+  std::optional<Bounds> bounds;
+  if (info.has_bounds) bounds = Bounds{{info.min_x, info.min_y}, {info.max_x, info.max_y}};
+  return {.name = info.name,
+          .description = info.description,
+          .revision = info.revision,
+          .digest = info.digest,
+          .key_frames = info.key_frame_count,
+          .features = info.feature_count,
+          .bounds = bounds,
+          .created = info.created,
+          .updated = info.updated,
+          .lidar_json = info.lidar_json,
+          .parameters_json = info.parameters_json};
+}
+
+Response invalid_map_name() {
+  return problem_response(
+      api::Problem{.status = 422,
+                   .code = "invalid_argument",
+                   .title = "Invalid argument",
+                   .detail = "A map's name matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}.",
+                   .errors = {{"/map", "not a valid name"}},
+                   .extra_json = {}});
+}
+
+Response no_such_feature(const std::string& id) {
+  return problem_response(404, "not_found", "There is no feature " + id + " in this revision.");
+}
+
+/// Lets a client that holds this content already save the transfer.
+Response with_entity_tag(const Request& request, Response response, const MapInfo& info,
+                         std::string_view kind) {
+  const std::string tag = "W/\"" + info.digest + "-" + std::string(kind) + "\"";
+  response.headers.emplace_back("ETag", tag);
+  response.headers.emplace_back("Cache-Control", "no-cache");
+  if (request.if_none_match.find(tag) != std::string::npos) {
+    response.status = 304;
+    response.body.clear();
+  }
+  return response;
+}
+
+class MapRoutes {
+ public:
+  explicit MapRoutes(Services services) : services_(std::move(services)) {}
+
+  Response list(const Request& request) {
+    std::size_t limit = kDefaultPage;
+    if (const auto text = request.parameter("limit")) {
+      const auto parsed = api::parse_page_limit(*text);
+      if (const auto* problem = std::get_if<api::Problem>(&parsed)) {
+        return problem_response(*problem);
+      }
+      limit = std::get<std::size_t>(parsed);
+    }
+    auto infos = maps().list(request.parameter("page_token").value_or(""), limit + 1);
+    if (!infos) return error_response(request, infos.error());
+    const bool has_more = infos->size() > limit;
+    if (has_more) infos->pop_back();
+    std::vector<api::MapEntry> entries;
+    for (const MapInfo& info : *infos) entries.push_back(entry_of(info));
+    std::optional<std::string_view> next;
+    if (has_more) next = infos->back().name;
+    return document_response(request, 200, api::render_map_list(entries, next));
+  }
+
+  Response put(const Request& request) {
+    const std::string& name = request.captures[0];
+    if (!api::is_valid_name(name)) return invalid_map_name();
+    const auto parsed = api::parse_put_map(request.body, request.body_format);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed));
+    if (!created) return error_response(request, created.error());
+    const auto info = maps().find(name);
+    if (!info) return error_response(request, info.error());
+    Response response =
+        document_response(request, *created ? 201 : 200, api::render_map(entry_of(*info)));
+    if (*created) response.headers.emplace_back("Location", "/v1/maps/" + name);
+    return response;
+  }
+
+  Response get(const Request& request) {
+    const auto info = maps().find(request.captures[0]);
+    if (!info) return error_response(request, info.error());
+    return document_response(request, 200, api::render_map(entry_of(*info)));
+  }
+
+  Response remove(const Request& request) {
+    const auto removed = maps().remove(request.captures[0]);
+    if (!removed) return error_response(request, removed.error());
+    return Response{.status = 204};
+  }
+
+  Response post_scans(const Request& request) {
+    const std::string& name = request.captures[0];
+    const auto info = maps().find(name);
+    if (!info) return error_response(request, info.error());
+    const auto parsed =
+        api::parse_map_scans(request.body, request.body_format,
+                             api::lidar_from_json(info->lidar_json), services_.limits);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto report = maps().grow(name, std::get<api::MapScansRequest>(parsed).scans);
+    if (!report) return error_response(request, report.error());
+    return document_response(request, 200,
+                             api::render_map_batch({.accepted = report->accepted,
+                                                    .duplicates = report->duplicates,
+                                                    .key_frames = report->key_frames,
+                                                    .features = report->features,
+                                                    .revision = report->revision}));
+  }
+
+  Response put_trajectory(const Request& request) {
+    const std::string& name = request.captures[0];
+    if (const auto info = maps().find(name); !info) return error_response(request, info.error());
+    const auto parsed = api::parse_trajectory(request.body, request.body_format);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto moved = maps().set_trajectory(name, std::get<api::TrajectoryRequest>(parsed).poses);
+    if (!moved) return error_response(request, moved.error());
+    return document_response(request, 200, api::render_map(entry_of(*moved)));
+  }
+
+  Response features(const Request& request) {
+    std::optional<Bounds> box;
+    if (const auto text = request.parameter("bbox")) {
+      const auto parsed = api::parse_bbox(*text);
+      if (const auto* problem = std::get_if<api::Problem>(&parsed)) {
+        return problem_response(*problem);
+      }
+      box = std::get<Bounds>(parsed);
+    }
+    const auto map = maps().load(request.captures[0]);
+    if (!map) return error_response(request, map.error());
+    return document_response(request, 200,
+                             api::render_features((*map)->revision(), (*map)->features(), box));
+  }
+
+  Response descriptor(const Request& request) {
+    const auto map = maps().load(request.captures[0]);
+    if (!map) return error_response(request, map.error());
+    const std::string& id = request.captures[1];
+    std::size_t feature = 0;
+    const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), feature);
+    const bool is_number = error == std::errc{} && end == id.data() + id.size();
+    if (!is_number || feature >= (*map)->descriptors().size()) return no_such_feature(id);
+    return document_response(
+        request, 200, api::render_descriptor((*map)->revision(), feature, (*map)->descriptors()));
+  }
+
+  Response grid_png(const Request& request) {
+    return grid_file(request, "image/png", [](const OccupancyGrid& grid) {
+      const auto png = encode_grid_png(grid);
+      return std::string(reinterpret_cast<const char*>(png.data()), png.size());
+    });
+  }
+
+  Response grid_yaml(const Request& request) {
+    return grid_file(request, "application/yaml",
+                     [](const OccupancyGrid& grid) { return encode_grid_yaml(grid, "grid.png"); });
+  }
+
+ private:
+  static Response no_grid() {
+    return problem_response(404, "not_found", "The map has no grid yet: it has no key frame.");
+  }
+
+  template <typename Encode>
+  Response grid_file(const Request& request, const char* content_type, Encode encode) {
+    const auto info = maps().find(request.captures[0]);
+    if (!info) return error_response(request, info.error());
+    const auto map = maps().load(*info);
+    if (!map) return error_response(request, map.error());
+    if ((*map)->grid().cells.empty()) return no_grid();
+    Response response{.content_type = content_type, .body = encode((*map)->grid())};
+    return with_entity_tag(request, std::move(response), *info, content_type);
+  }
+
+  MapLibrary& maps() { return *services_.maps; }
+
+  Services services_;
+};
+
+}  // namespace
+
+void add_map_routes(Router& router, const Services& services) {
+  const auto routes = std::make_shared<MapRoutes>(services);
+  const auto add = [&](const char* method, const char* pattern, Access access, BodyRule body,
+                       Response (MapRoutes::*handler)(const Request&)) {
+    router.add({.method = method,
+                .pattern = pattern,
+                .access = access,
+                .body = body,
+                .handler = [routes, handler](const Request& request) {
+                  return ((*routes).*handler)(request);
+                }});
+  };
+  using enum BodyRule;
+  add("GET", "/v1/maps", Access::kRead, kIgnored, &MapRoutes::list);
+  add("PUT", "/v1/maps/{map}", Access::kAdmin, kOptionalDocument, &MapRoutes::put);
+  add("GET", "/v1/maps/{map}", Access::kRead, kIgnored, &MapRoutes::get);
+  add("DELETE", "/v1/maps/{map}", Access::kAdmin, kIgnored, &MapRoutes::remove);
+  add("POST", "/v1/maps/{map}/scans", Access::kAdmin, kDocument, &MapRoutes::post_scans);
+  add("PUT", "/v1/maps/{map}/trajectory", Access::kAdmin, kDocument, &MapRoutes::put_trajectory);
+  add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features);
+  add("GET", "/v1/maps/{map}/features/{id}/descriptor", Access::kRead, kIgnored,
+      &MapRoutes::descriptor);
+  add("GET", "/v1/maps/{map}/grid.png", Access::kRead, kIgnored, &MapRoutes::grid_png);
+  add("GET", "/v1/maps/{map}/grid.yaml", Access::kRead, kIgnored, &MapRoutes::grid_yaml);
+}
+
+}  // namespace cornerfix::server

@@ -1,0 +1,62 @@
+/// \file  One small table of routes that knows 404 from 405.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "server/access.hpp"
+#include "server/http_message.hpp"
+
+namespace cornerfix::server {
+
+/// What a route does with a request body.
+enum class BodyRule {
+  kIgnored,           ///< Read and dropped: none is needed.
+  kDocument,          ///< JSON, CBOR or MessagePack.
+  kOptionalDocument,  ///< The same, or none, which is an empty object.
+};
+
+struct Route {
+  std::string method;
+  std::string pattern;  ///< "/v1/maps/{map}": a segment in braces matches any non-empty one.
+  Access access = Access::kRead;
+  BodyRule body = BodyRule::kIgnored;
+  Handler handler;
+};
+
+/// A path cut at its slashes, each segment percent-decoded once.
+using PathSegments = std::vector<std::string>;
+
+/// Decodes the path of a request target (origin or absolute form, without its query), or nothing
+/// when an escape is broken.
+[[nodiscard]] std::optional<PathSegments> split_path(std::string_view target);
+
+struct RouteMatch {
+  const Route* route = nullptr;
+  std::vector<std::string> captures;
+};
+struct MethodNotAllowed {
+  std::string allow;  ///< For the Allow header.
+};
+struct NoRoute {};
+
+/// Filled before the first request, then only read, by any threads.
+class Router {
+ public:
+  void add(Route route);
+
+  /// A HEAD is served by the route of GET.
+  [[nodiscard]] std::variant<RouteMatch, MethodNotAllowed, NoRoute> match(
+      std::string_view method, const PathSegments& path) const;
+
+ private:
+  struct Entry {
+    Route route;
+    PathSegments pattern;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace cornerfix::server

@@ -1,0 +1,36 @@
+/// \file  The calls of the HTTP API: parse, ask a service, render. No logic of their own.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "server/event_hub.hpp"
+#include "server/localization_service.hpp"
+#include "server/map_library.hpp"
+#include "server/metrics.hpp"
+#include "server/router.hpp"
+#include "server/server_config.hpp"
+
+namespace cornerfix::server {
+
+/// What routes call. Outlives every request.
+struct Services {
+  std::shared_ptr<StoreAccess> stores;
+  std::shared_ptr<MapLibrary> maps;
+  std::shared_ptr<LocalizationService> localization;
+  std::shared_ptr<EventHub> events;
+  std::shared_ptr<Metrics> metrics;
+  api::RequestLimits limits;
+  std::shared_ptr<const std::string> openapi;   ///< The API's description as JSON; may be empty.
+  std::shared_ptr<std::atomic<bool>> draining;  ///< Set when the server is going down.
+};
+
+void add_map_routes(Router& router, const Services& services);
+void add_session_routes(Router& router, const Services& services);
+void add_health_routes(Router& router, const Services& services);
+
+/// All of them.
+[[nodiscard]] Router make_router(const Services& services);
+
+}  // namespace cornerfix::server

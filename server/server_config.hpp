@@ -1,0 +1,73 @@
+/// \file  Settings of the service: defaults, overridden by a JSON file, overridden by flags.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cornerfix/result.hpp>
+
+#include "api/requests.hpp"
+
+namespace cornerfix::server {
+
+/// What a token may do: kViewer reads, kRobot runs its own robot's sessions, kAdmin does all.
+enum class Role { kViewer, kRobot, kAdmin };
+
+struct Token {
+  std::string token;
+  Role role = Role::kViewer;
+  std::string name;  ///< Of the holder; for kRobot the only robot that it may speak for.
+};
+
+struct ServerConfig {
+  std::filesystem::path database;      ///< SQLite file, made when it does not exist.
+  std::string listen = "127.0.0.1";    ///< Address to bind.
+  int port = 8080;                     ///< 0 takes a free one.
+  bool allow_insecure_listen = false;  ///< Bind to more than loopback in spite of having no tokens.
+  std::vector<Token> tokens;           ///< Empty: everybody may do everything.
+
+  std::filesystem::path web_root;  ///< The inspector's files; empty: where they were installed.
+  std::filesystem::path leaflet_root = "/usr/share/javascript/leaflet";
+
+  std::size_t max_body_bytes = std::size_t{16} << 20U;  ///< After decompression.
+  api::RequestLimits request_limits;
+
+  /// A keep-alive connection holds a thread, so this is how many robots can be connected.
+  std::size_t worker_threads = 256;
+  std::size_t max_requests_in_work = 256;  ///< More are answered 503.
+  std::size_t max_event_clients = 16;      ///< Each holds a thread for as long as it listens.
+  int keep_alive_timeout_s = 5;            ///< An idle connection polls, so let it go soon.
+  int queue_timeout_ms = 1000;             ///< A connection waiting longer for a thread gets 503.
+
+  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
+  std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
+  int session_idle_minutes = 30;  ///< Then a session is kept in the database only.
+};
+
+/// What the command line said.
+struct ServerFlags {
+  std::optional<std::filesystem::path> database;
+  std::optional<std::string> listen;
+  std::optional<int> port;
+  bool allow_insecure_listen = false;
+};
+
+/// `defaults` with the members of a JSON object put over them. An unknown key, a wrong type or a
+/// value outside its limits is an error whose `field` is the JSON pointer.
+[[nodiscard]] Result<ServerConfig> merge_json(ServerConfig defaults, std::string_view json);
+
+/// The settings to run with: defaults, the file (when given), the flags. Checked as a whole.
+[[nodiscard]] Result<ServerConfig> load_config(
+    const std::optional<std::filesystem::path>& config_file, const ServerFlags& flags);
+
+/// The first broken limit, or nothing. Without tokens only loopback may be bound, unless
+/// `allow_insecure_listen` says so.
+[[nodiscard]] std::optional<Error> validate(const ServerConfig& config);
+
+[[nodiscard]] bool is_loopback(std::string_view address);
+
+}  // namespace cornerfix::server

@@ -1,0 +1,192 @@
+#include <nlohmann/json.hpp>
+
+#include "api/json_codec.hpp"
+#include "server/responses.hpp"
+#include "server/routes.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+using api::Json;
+
+/// With the points for the inspector, as long as they are in memory. Null before the first answer.
+Json last_answer_json(const SessionView& view) {
+  if (view.last_answer.empty()) return nullptr;
+  Json answer = Json::parse(view.last_answer);
+  if (!view.last_scan) return answer;
+  return api::with_points(std::move(answer), *view.last_scan, view.feature_points);
+}
+
+Json session_json(const SessionView& view) {
+  const Json answer = last_answer_json(view);
+  Json session = api::render_session({.id = view.id,
+                                      .robot = view.robot,
+                                      .maps = view.maps,
+                                      .created = view.created,
+                                      .expected = view.expected_sequence,
+                                      .lidar_json = view.lidar_json,
+                                      .options_json = view.options_json,
+                                      .last_answer = answer.is_null() ? nullptr : &answer});
+  session["status"] = to_string(view.status);
+  return session;
+}
+
+Response forbidden_robot() {
+  return problem_response(403, "forbidden", "A robot's token is for its own sessions only.");
+}
+
+class SessionRoutes {
+ public:
+  explicit SessionRoutes(Services services) : services_(std::move(services)) {}
+
+  Response create(const Request& request) {
+    const auto parsed = api::parse_create_session(request.body, request.body_format);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto& session = std::get<api::CreateSessionRequest>(parsed);
+    if (!request.principal.may_see(session.robot)) return forbidden_robot();
+    const auto created = service().create(session);
+    if (!created) return error_response(request, created.error());
+    Response response = document_response(request, 201, session_json(*created));
+    response.headers.emplace_back("Location", "/v1/sessions/" + created->id);
+    return response;
+  }
+
+  Response list(const Request& request) {
+    auto sessions = service().list();
+    if (!sessions) return error_response(request, sessions.error());
+    Json list = Json::array();
+    for (const SessionView& view : *sessions) {
+      if (request.principal.may_see(view.robot)) list.push_back(session_json(view));
+    }
+    return document_response(request, 200, Json{{"sessions", std::move(list)}});
+  }
+
+  Response get(const Request& request) {
+    const auto view = service().find(request.captures[0]);
+    if (!view) return error_response(request, view.error());
+    if (!request.principal.may_see(view->robot)) return forbidden_robot();
+    return document_response(request, 200, session_json(*view));
+  }
+
+  Response remove(const Request& request) {
+    if (auto refusal = refuse_foreign(request)) return *refusal;
+    const auto removed = service().remove(request.captures[0]);
+    if (!removed) return error_response(request, removed.error());
+    services_.events->end(request.captures[0]);
+    return Response{.status = 204};
+  }
+
+  Response reset(const Request& request) {
+    if (auto refusal = refuse_foreign(request)) return *refusal;
+    const auto view = service().reset(request.captures[0]);
+    if (!view) return error_response(request, view.error());
+    return document_response(request, 200, session_json(*view));
+  }
+
+  Response post_scans(const Request& request) {
+    const std::string& id = request.captures[0];
+    const auto head = service().head(id);
+    if (!head) return error_response(request, head.error());
+    if (!request.principal.may_see(head->robot)) return forbidden_robot();
+    const auto parsed =
+        api::parse_session_scans(request.body, request.body_format, head->lidar, services_.limits);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto& batch = std::get<api::SessionScansRequest>(parsed);
+    const auto outcome = service().post_scans(id, batch);
+    if (!outcome) return error_response(request, outcome.error());
+    if (outcome->expected_sequence) {
+      return wrong_sequence(batch.sequence, *outcome->expected_sequence);
+    }
+    return text_response(request, 200, outcome->answer);
+  }
+
+  Response localize(const Request& request) {
+    const std::string& map = request.captures[0];
+    if (const auto info = services_.maps->find(map); !info) {
+      return error_response(request, info.error());
+    }
+    const auto parsed = api::parse_localize(request.body, request.body_format, services_.limits);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto answer = service().localize(map, std::get<api::LocalizeRequest>(parsed));
+    if (!answer) return error_response(request, answer.error());
+    return text_response(request, 200, *answer);
+  }
+
+  Response events(const Request& request) {
+    const std::string& id = request.captures[0];
+    std::shared_ptr<EventSubscription> subscription;
+    bool is_foreign = false;
+    const auto found = service().visit(id, [&](const SessionView& view) {
+      is_foreign = !request.principal.may_see(view.robot);
+      if (!is_foreign) subscription = services_.events->subscribe(id);
+      if (!subscription) return;
+      if (auto event = last_answer_event(view)) subscription->push(std::move(*event));
+    });
+    if (!found) return error_response(request, found.error());
+    if (is_foreign) return forbidden_robot();
+    if (!subscription) {
+      return problem_response(503, "too_many_event_clients",
+                              "Too many clients listen to events; try again later.");
+    }
+    return Response{.content_type = "text/event-stream",
+                    .headers = {{"Cache-Control", "no-store"}},
+                    .events = subscription};
+  }
+
+ private:
+  LocalizationService& service() { return *services_.localization; }
+
+  std::optional<Response> refuse_foreign(const Request& request) {
+    const auto head = service().head(request.captures[0]);
+    if (!head) return error_response(request, head.error());
+    if (!request.principal.may_see(head->robot)) return forbidden_robot();
+    return std::nullopt;
+  }
+
+  static Response wrong_sequence(std::uint64_t sequence, std::uint64_t expected) {
+    return problem_response(
+        api::Problem{.status = 409,
+                     .code = "sequence_conflict",
+                     .title = "Wrong sequence",
+                     .detail = "The batch has sequence " + std::to_string(sequence) +
+                               "; the session expects " + std::to_string(expected) + ".",
+                     .errors = {},
+                     .extra_json = Json{{"expected", expected}}.dump()});
+  }
+
+  Services services_;
+};
+
+}  // namespace
+
+std::optional<std::string> last_answer_event(const SessionView& view) {
+  const Json answer = last_answer_json(view);
+  if (answer.is_null()) return std::nullopt;
+  return format_answer_event(view.expected_sequence - 1,
+                             api::encode(answer, api::BodyFormat::kJson));
+}
+
+void add_session_routes(Router& router, const Services& services) {
+  const auto routes = std::make_shared<SessionRoutes>(services);
+  const auto add = [&](const char* method, const char* pattern, Access access, BodyRule body,
+                       Response (SessionRoutes::*handler)(const Request&)) {
+    router.add({.method = method,
+                .pattern = pattern,
+                .access = access,
+                .body = body,
+                .handler = [routes, handler](const Request& request) {
+                  return ((*routes).*handler)(request);
+                }});
+  };
+  using enum BodyRule;
+  add("POST", "/v1/sessions", Access::kSession, kDocument, &SessionRoutes::create);
+  add("GET", "/v1/sessions", Access::kRead, kIgnored, &SessionRoutes::list);
+  add("GET", "/v1/sessions/{id}", Access::kRead, kIgnored, &SessionRoutes::get);
+  add("DELETE", "/v1/sessions/{id}", Access::kSession, kIgnored, &SessionRoutes::remove);
+  add("POST", "/v1/sessions/{id}/reset", Access::kSession, kIgnored, &SessionRoutes::reset);
+  add("POST", "/v1/sessions/{id}/scans", Access::kSession, kDocument, &SessionRoutes::post_scans);
+  add("GET", "/v1/sessions/{id}/events", Access::kRead, kIgnored, &SessionRoutes::events);
+  add("POST", "/v1/maps/{map}/localize", Access::kSession, kDocument, &SessionRoutes::localize);
+}
+
+}  // namespace cornerfix::server

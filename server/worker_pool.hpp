@@ -1,0 +1,54 @@
+/// \file  Threads that serve connections, made as they are needed.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace cornerfix::server {
+
+/// A job is one connection and holds its thread for as long as the connection lives. When all
+/// threads are held, a job that has waited for `queue_timeout` runs on one of a few spare threads,
+/// where `is_shedding()` tells it to say "busy" and leave. Any thread may call.
+class WorkerPool {
+ public:
+  WorkerPool(std::size_t max_threads, std::chrono::milliseconds queue_timeout);
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  void enqueue(std::function<void()> job);
+
+  /// Runs what is queued, then ends the threads. No job may be enqueued from then on.
+  void shutdown();
+
+  /// Whether the calling thread is there to turn connections away.
+  [[nodiscard]] static bool is_shedding();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Job {
+    std::function<void()> run;
+    Clock::time_point due;  ///< From then on a spare thread takes it.
+  };
+
+  void work();
+  void shed();
+
+  const std::size_t max_threads_;
+  const std::chrono::milliseconds queue_timeout_;
+  std::mutex mutex_;
+  std::condition_variable job_added_;
+  std::deque<Job> jobs_;
+  std::size_t idle_ = 0;
+  bool closing_ = false;
+  std::vector<std::thread> workers_;
+  std::vector<std::thread> spare_;
+};
+
+}  // namespace cornerfix::server

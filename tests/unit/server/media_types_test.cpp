@@ -1,0 +1,41 @@
+#include "server/media_types.hpp"
+
+#include <gmock/gmock.h>
+
+namespace cornerfix::server {
+namespace {
+
+using api::BodyFormat;
+
+TEST(ContentType, NamesTheFormat) {
+  EXPECT_EQ(format_of_content_type("application/json"), BodyFormat::kJson);
+  EXPECT_EQ(format_of_content_type("Application/JSON; charset=utf-8"), BodyFormat::kJson);
+  EXPECT_EQ(format_of_content_type("application/cbor"), BodyFormat::kCbor);
+  EXPECT_EQ(format_of_content_type("application/msgpack"), BodyFormat::kMessagePack);
+  EXPECT_EQ(format_of_content_type("application/x-msgpack"), BodyFormat::kMessagePack);
+}
+
+TEST(ContentType, MayBeMissing) { EXPECT_EQ(format_of_content_type(""), BodyFormat::kJson); }
+
+TEST(ContentType, RefusesOthers) {
+  for (const char* type : {"text/plain", "application/x-www-form-urlencoded",
+                           "multipart/form-data; boundary=x", "application/jsonx"}) {
+    EXPECT_EQ(format_of_content_type(type), std::nullopt) << type;
+  }
+}
+
+TEST(Accept, IsJsonUnlessAnotherIsAskedFor) {
+  for (const char* accept : {"", "*/*", "application/*", "text/html", "application/json",
+                             "text/html, */*;q=0.1", "application/cbor;q=0"}) {
+    EXPECT_EQ(best_format(accept), BodyFormat::kJson) << accept;
+  }
+}
+
+TEST(Accept, TakesTheOneLikedBest) {
+  EXPECT_EQ(best_format("application/cbor"), BodyFormat::kCbor);
+  EXPECT_EQ(best_format("application/json;q=0.5, application/msgpack"), BodyFormat::kMessagePack);
+  EXPECT_EQ(best_format("application/json;q=0.9,application/cbor;q=0.8"), BodyFormat::kJson);
+}
+
+}  // namespace
+}  // namespace cornerfix::server

@@ -1,0 +1,71 @@
+#include "server/router.hpp"
+
+#include <gmock/gmock.h>
+
+namespace cornerfix::server {
+namespace {
+
+using ::testing::ElementsAre;
+
+Router sample_router() {
+  Router router;
+  for (const auto& [method, pattern] :
+       std::vector<std::pair<const char*, const char*>>{{"GET", "/v1/maps"},
+                                                        {"GET", "/v1/maps/{map}"},
+                                                        {"PUT", "/v1/maps/{map}"},
+                                                        {"POST", "/v1/maps/{map}/scans"}}) {
+    router.add({.method = method, .pattern = pattern, .handler = {}});
+  }
+  return router;
+}
+
+const Router kRouter = sample_router();
+
+std::variant<RouteMatch, MethodNotAllowed, NoRoute> match(const char* method, const char* target) {
+  return kRouter.match(method, split_path(target).value());
+}
+
+TEST(SplitPath, DecodesEachSegmentOnce) {
+  EXPECT_THAT(*split_path("/v1/a%20b/%2541?x=/y"), ElementsAre("v1", "a b", "%41"));
+}
+
+TEST(SplitPath, KeepsAnEscapedSlashInItsSegment) {
+  EXPECT_THAT(*split_path("/v1/a%2Fb"), ElementsAre("v1", "a/b"));
+}
+
+TEST(SplitPath, TakesTheAbsoluteForm) {
+  EXPECT_THAT(*split_path("http://host:80/v1/maps"), ElementsAre("v1", "maps"));
+  EXPECT_THAT(*split_path("http://host"), ElementsAre(""));
+}
+
+TEST(SplitPath, SeesATrailingSlash) { EXPECT_THAT(*split_path("/v1/"), ElementsAre("v1", "")); }
+
+TEST(SplitPath, RefusesBrokenEscapesAndWhatIsNoPath) {
+  for (const char* target : {"/%", "/%4", "/%zz", "/%-1", "*", ""}) {
+    EXPECT_EQ(split_path(target), std::nullopt) << target;
+  }
+}
+
+TEST(Router, FindsARouteWithItsCaptures) {
+  const auto found = std::get<RouteMatch>(match("POST", "/v1/maps/office/scans"));
+  EXPECT_EQ(found.route->pattern, "/v1/maps/{map}/scans");
+  EXPECT_THAT(found.captures, ElementsAre("office"));
+}
+
+TEST(Router, ServesHeadByGet) {
+  EXPECT_EQ(std::get<RouteMatch>(match("HEAD", "/v1/maps")).route->method, "GET");
+}
+
+TEST(Router, TellsWhatAKnownPathTakes) {
+  EXPECT_EQ(std::get<MethodNotAllowed>(match("PATCH", "/v1/maps/office")).allow, "GET, HEAD, PUT");
+}
+
+TEST(Router, KnowsNoOtherPath) {
+  for (const char* target : {"/", "/v1", "/v1/maps/", "/v1/maps//scans", "/v1/maps/office/",
+                             "/v1/maps/office/scans/", "/V1/maps", "/v1/maps/office/scan"}) {
+    EXPECT_TRUE(std::holds_alternative<NoRoute>(match("GET", target))) << target;
+  }
+}
+
+}  // namespace
+}  // namespace cornerfix::server

@@ -1,0 +1,104 @@
+#include "server/server_config.hpp"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "support/temporary_directory.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+ServerConfig valid_config() {
+  ServerConfig config;
+  config.database = "maps.db";
+  return config;
+}
+
+TEST(ServerConfig, IsOverriddenByTheFileAndTheFileByFlags) {
+  const testing::TemporaryDirectory directory;
+  std::ofstream(directory / "config.json")
+      << R"({"database": "file.db", "port": 1234, "max_scans": 7})";
+  const auto config =
+      load_config(directory / "config.json", {.database = {}, .listen = {}, .port = 4321});
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->database, "file.db");
+  EXPECT_EQ(config->port, 4321);
+  EXPECT_EQ(config->request_limits.max_scans, 7U);
+  EXPECT_EQ(config->request_limits.max_beams, 20'000U);
+}
+
+TEST(ServerConfig, ReadsTokens) {
+  const auto config = merge_json(
+      valid_config(),
+      R"({"tokens": [{"token": "0123456789abcdef", "role": "robot", "name": "cart-7"}]})");
+  ASSERT_TRUE(config);
+  ASSERT_EQ(config->tokens.size(), 1U);
+  EXPECT_EQ(config->tokens[0].role, Role::kRobot);
+  EXPECT_EQ(config->tokens[0].name, "cart-7");
+}
+
+TEST(ServerConfig, RefusesAnUnknownKey) {
+  const auto config = merge_json({}, R"({"prot": 80})");
+  ASSERT_FALSE(config);
+  EXPECT_EQ(config.error().field, "/prot");
+  EXPECT_THAT(config.error().message, HasSubstr("port"));
+}
+
+TEST(ServerConfig, RefusesWrongValues) {
+  for (const char* text :
+       {R"({"port": "80"})", R"({"port": 65536})", R"({"port": -1})", R"({"port": 1.5})",
+        R"({"max_scans": 0})", R"({"max_body_bytes": 18446744073709551615})", R"({"listen": 1})",
+        R"({"allow_insecure_listen": 1})", R"({"tokens": {}})", R"({"tokens": [1]})",
+        R"({"tokens": [{"token": "0123456789abcdef"}]})",
+        R"({"tokens": [{"token": "0123456789abcdef", "role": "king"}]})",
+        R"({"tokens": [{"token": "0123456789abcdef", "role": "admin", "nmae": "x"}]})", "[]", "{",
+        ""}) {
+    EXPECT_FALSE(merge_json(valid_config(), text)) << text;
+  }
+}
+
+TEST(ServerConfig, NeedsADatabase) { EXPECT_EQ(validate(ServerConfig{})->field, "/database"); }
+
+TEST(ServerConfig, BindsToLoopbackOnlyWithoutTokens) {
+  ServerConfig config = valid_config();
+  for (const char* address : {"127.0.0.1", "127.8.8.8", "localhost", "::1"}) {
+    config.listen = address;
+    EXPECT_FALSE(validate(config)) << address;
+  }
+  for (const char* address : {"0.0.0.0", "::", "192.168.1.5", "12.7.0.1", ""}) {
+    config.listen = address;
+    EXPECT_EQ(validate(config)->field, "/listen") << address;
+  }
+}
+
+TEST(ServerConfig, BindsAnywhereWithTokensOrWhenToldInSoManyWords) {
+  ServerConfig config = valid_config();
+  config.listen = "0.0.0.0";
+  config.allow_insecure_listen = true;
+  EXPECT_FALSE(validate(config));
+  config.allow_insecure_listen = false;
+  config.tokens = {{"0123456789abcdef", Role::kAdmin, "me"}};
+  EXPECT_FALSE(validate(config));
+}
+
+TEST(ServerConfig, RefusesTokensThatAreEasyToGuessOrForNobody) {
+  ServerConfig config = valid_config();
+  config.tokens = {{"short", Role::kAdmin, "me"}};
+  EXPECT_EQ(validate(config)->field, "/tokens/0/token");
+  config.tokens = {{"0123456789abcdef", Role::kRobot, ""}};
+  EXPECT_EQ(validate(config)->field, "/tokens/0/name");
+}
+
+TEST(ServerConfig, SaysWhichFileItCannotRead) {
+  const testing::TemporaryDirectory directory;
+  const auto config = load_config(directory / "none.json", {});
+  ASSERT_FALSE(config);
+  EXPECT_EQ(config.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(config.error().field, HasSubstr("none.json"));
+}
+
+}  // namespace
+}  // namespace cornerfix::server
