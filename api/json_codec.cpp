@@ -201,6 +201,7 @@ Json render_session(const SessionEntry& session) {
   json["options"] = params_to_json(params_from_json(session.options_json));
   json["created"] = session.created;
   json["expected"] = session.expected;
+  json["status"] = to_string(session.status);
   json["last_answer"] = session.last_answer != nullptr ? *session.last_answer : Json(nullptr);
   return json;
 }

@@ -80,6 +80,7 @@ struct SessionEntry {
   std::span<const std::string> maps;  ///< As asked for; empty: every map.
   std::string_view created;           ///< RFC 3339.
   std::uint64_t expected = 0;         ///< Sequence of the next batch.
+  Status status = Status::kCollecting;
   std::string_view lidar_json;
   std::string_view options_json;
   const Json* last_answer = nullptr;  ///< Null before the first batch.

@@ -23,7 +23,12 @@ Answer localized_answer() {
   answer.status = Status::kLocalized;
   answer.pose = LocalizedPose{office(), {4.5, -0.75, 1.5}, {1, 0, 0, 0, 2, 0, 0, 0, 3}};
   answer.confidence = 0.998;
-  answer.hypotheses = {{office(), {4.5, -0.75, 1.5}, 31, 12, 0.875}};
+  answer.hypotheses = {{.map = office(),
+                        .T_map_base_link = {4.5, -0.75, 1.5},
+                        .votes = 31,
+                        .inliers = 12,
+                        .score = 0.875,
+                        .evidence = {}}};
   answer.local_scans = 40;
   answer.local_features = 23;
   answer.T_submap_base_link = {1.0, 2.0, 0.5};
