@@ -16,6 +16,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_map_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_serve_command(app, exit_code);
+  add_evaluate_command(app, exit_code);
   add_simulate_command(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <ostream>
 #include <thread>
 
 namespace cornerfix::cli {
@@ -44,17 +45,19 @@ class Drive {
  public:
   Drive(const RecordedLog& log, const std::vector<std::size_t>& order,
         const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
-        const EvaluationOptions& options)
+        const std::vector<Point2>& mapping_positions, const EvaluationOptions& options)
       : log_(log),
         order_(order),
         maps_(maps),
         right_map_(right_map),
+        mapping_positions_(mapping_positions),
         options_(options),
         keyed_(has_key_scans(log)),
-        localizer_(maps, options.localizer, thread_ms) {}
+        localizer_(maps, localizer_params(options)) {}
 
   StartRecord run(std::size_t start) {
     record_.start = order_[start];
+    record_.near_m = nearest_mapping(scan_at(start));
     const double begin_stamp = scan_at(start).scan.stamp;
     std::size_t waiting = 0;
     for (std::size_t k = start; k < order_.size(); ++k) {
@@ -84,14 +87,46 @@ class Drive {
 
   [[nodiscard]] const LogScan& scan_at(std::size_t k) const { return log_.scans[order_[k]]; }
 
+  static LocalizerParams localizer_params(const EvaluationOptions& options) {
+    LocalizerParams params = options.localizer;
+    if (options.sample) params.acceptance.min_gap = std::numeric_limits<double>::infinity();
+    return params;
+  }
+
+  [[nodiscard]] double nearest_mapping(const LogScan& scan) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Point2& mapped : mapping_positions_) {
+      nearest = std::min(nearest, (mapped - scan.T_map_laser->translation()).norm());
+    }
+    return nearest;
+  }
+
+  void take_sample(const Answer& answer, const LogScan& scan) {
+    if (!answer.searched || answer.hypotheses.empty()) return;
+    const RankedHypothesis& best = answer.hypotheses.front();
+    const Error2 error = error_of(best.T_map_base_link, *scan.T_map_laser);
+    const bool right =
+        best.map == maps_[right_map_] && error.m <= kRightDistance && error.rad <= kLooseAngle;
+    record_.samples.push_back(
+        {record_.driven_m, nearest_mapping(scan), right, best.evidence,
+         answer.hypotheses.size() > 1 ? answer.hypotheses[1].evidence : EvidenceScore{}});
+  }
+
   Answer take(const LogScan& scan) {
     RobotScan robot_scan{scan.scan, {}, {}};
+    if (options_.mirror) std::reverse(robot_scan.scan.ranges.begin(), robot_scan.scan.ranges.end());
     if (options_.use_odometry) robot_scan.T_odom_base_link = scan.T_odom_laser;
     const double begin = thread_ms();
     Answer answer = localizer_.process(robot_scan);
     (fixed_ ? record_.tracking_ms : record_.searching_ms).push_back(thread_ms() - begin);
     ++record_.scans;
+    if (options_.sample) take_sample(answer, scan);
     return answer;
+  }
+
+  /// No map holds the place of a mirrored scan or of a log from elsewhere.
+  [[nodiscard]] bool is_right_map(const LocalizationMapPtr& map) const {
+    return !options_.mirror && right_map_ != kNoMap && map == maps_[right_map_];
   }
 
   /// False when the drive is over.
@@ -125,7 +160,7 @@ class Drive {
   bool give_verdict(const Pose2& pose, const LocalizationMapPtr& map, const Pose2& truth,
                     double angle) {
     const Error2 error = error_of(pose, truth);
-    const bool right = map == maps_[right_map_] && error.m <= kRightDistance && error.rad <= angle;
+    const bool right = is_right_map(map) && error.m <= kRightDistance && error.rad <= angle;
     record_.verdict = right ? Verdict::kFixed : Verdict::kFalse;
     record_.error_m = error.m;
     record_.error_rad = error.rad;
@@ -138,6 +173,7 @@ class Drive {
   const std::vector<std::size_t>& order_;
   const std::vector<LocalizationMapPtr>& maps_;
   std::size_t right_map_;
+  const std::vector<Point2>& mapping_positions_;
   const EvaluationOptions& options_;
   bool keyed_;
   Localizer localizer_;
@@ -174,16 +210,21 @@ std::size_t split_index(const RecordedLog& log, double share) {
   return log.scans.size();
 }
 
-LocalizationMapPtr make_map(const RecordedLog& log, std::size_t end, const MapperParams& params) {
+Evaluation map_from(const RecordedLog& log, std::size_t end, const MapperParams& params) {
   const bool keyed = has_key_scans(log);
+  const double begin = thread_ms();
+  Evaluation evaluation;
   Mapper mapper(params);
   for (std::size_t i = 0; i < end; ++i) {
     const LogScan& scan = log.scans[i];
     if (!scan.T_map_laser || (keyed && !scan.is_key_scan)) continue;
+    evaluation.mapping_positions.push_back(scan.T_map_laser->translation());
     PosedScan posed{scan.scan, {}, *scan.T_map_laser};
     if (mapper.is_key_frame(posed)) mapper.add(std::move(posed));
   }
-  return std::make_shared<const LocalizationMap>(log.header.name, 1, mapper.build());
+  evaluation.map = std::make_shared<const LocalizationMap>(log.header.name, 1, mapper.build());
+  evaluation.map_seconds = 1e-3 * (thread_ms() - begin);
+  return evaluation;
 }
 
 std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
@@ -205,12 +246,7 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
   const auto work = [&] {
     for (std::size_t i = next++; i < count; i = next++) {
       const std::size_t start = i * usable / count;
-      records[i] = Drive(log, order, maps, right_map, options).run(start);
-      double nearest = std::numeric_limits<double>::infinity();
-      const Point2 position = log.scans[order[start]].T_map_laser->translation();
-      for (const Point2& mapped : mapping_positions)
-        nearest = std::min(nearest, (mapped - position).norm());
-      records[i].near_m = nearest;
+      records[i] = Drive(log, order, maps, right_map, mapping_positions, options).run(start);
       const std::lock_guard lock(progress_mutex);
       if (progress) progress(++done, count);
     }
@@ -220,6 +256,29 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
   work();
   for (std::thread& thread : threads) thread.join();
   return records;
+}
+
+void write_samples(std::ostream& csv, const std::string& name,
+                   const std::vector<StartRecord>& records, bool header) {
+  if (header) {
+    csv << "log,start,way_m,near_m,right";
+    for (const char* place : {"best", "second"}) {
+      for (std::size_t i = 0; i < kEndClasses; ++i) csv << ',' << place << "_end" << i;
+      for (std::size_t i = 0; i < kPassClasses; ++i) csv << ',' << place << "_pass" << i;
+    }
+    csv << '\n';
+  }
+  for (const StartRecord& record : records) {
+    for (const DecisionSample& sample : record.samples) {
+      csv << name << ',' << record.start << ',' << sample.way_m << ',' << sample.near_m << ','
+          << sample.right;
+      for (const EvidenceScore* score : {&sample.best, &sample.second}) {
+        for (const int count : score->end_counts) csv << ',' << count;
+        for (const int count : score->pass_counts) csv << ',' << count;
+      }
+      csv << '\n';
+    }
+  }
 }
 
 std::string summary_json(const std::string& log_name, const Evaluation& evaluation,
@@ -285,9 +344,9 @@ std::string summary_json(const std::string& log_name, const Evaluation& evaluati
   const nlohmann::ordered_json summary{
       {"log", log_name},
       {"split", options.split},
-      {"map_scans", evaluation.map_scans},
+      {"map_scans", evaluation.mapping_positions.size()},
       {"map_seconds", evaluation.map_seconds},
-      {"features", evaluation.features},
+      {"features", evaluation.map->features().size()},
       {"starts", inside},
       {"fixed", fixed},
       {"false", wrong},

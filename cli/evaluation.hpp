@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,11 +27,23 @@ struct EvaluationOptions {
   std::size_t batch = 5;  ///< Scans a question.
   bool use_odometry = true;
   std::size_t threads = 1;
+  bool mirror = false;  ///< Turn the scans over: no place may be found then.
+  bool sample = false;  ///< Never accept; record what each search of the whole map knew.
   MapperParams mapper;
   LocalizerParams localizer;
 };
 
 enum class Verdict { kFixed, kFalse, kNone };
+
+/// What was known of the two best places when a robot had looked at all of them, for learning to
+/// decide.
+struct DecisionSample {
+  double way_m = 0.0;   ///< Driven so far.
+  double near_m = 0.0;  ///< From the nearest mapping pose, now.
+  bool right = false;   ///< Whether the best place is the true one.
+  EvidenceScore best;
+  EvidenceScore second;  ///< No ends when there was no other place.
+};
 
 /// What happened to one robot.
 struct StartRecord {
@@ -50,21 +63,25 @@ struct StartRecord {
   std::size_t wrong_after = 0;
   std::vector<double> searching_ms;  ///< A scan, until the fix.
   std::vector<double> tracking_ms;   ///< A scan, after it.
+  std::vector<DecisionSample> samples;
 };
 
 struct Evaluation {
-  std::size_t map_scans = 0;
-  double map_seconds = 0.0;
-  std::size_t features = 0;
+  LocalizationMapPtr map;
+  std::vector<Point2> mapping_positions;  ///< Of the laser.
+  double map_seconds = 0.0;               ///< Processor time.
   std::vector<StartRecord> records;
 };
 
-/// The map of the first part of a log (or of all of a log of its own), as a server would make it.
-[[nodiscard]] LocalizationMapPtr make_map(const RecordedLog& log, std::size_t end,
-                                          const MapperParams& params);
+/// The map of the scans before `end`, as a server would make it; no records yet.
+[[nodiscard]] Evaluation map_from(const RecordedLog& log, std::size_t end,
+                                  const MapperParams& params);
 
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
+
+inline constexpr std::size_t kNoMap =
+    static_cast<std::size_t>(-1);  ///< The log lies in none of the maps.
 
 /// Asks `log` from `begin` on in `maps`; a fix in another map than `maps[right_map]` is false,
 /// whatever its pose. \param mapping_positions  Where the right map was made from. \param progress
@@ -74,6 +91,11 @@ struct Evaluation {
     std::size_t right_map, const std::vector<Point2>& mapping_positions,
     const EvaluationOptions& options,
     const std::function<void(std::size_t, std::size_t)>& progress);
+
+/// A row a sample: the log's name, start, way, distance to the mapped part, right or not, and the
+/// class counts of the two best places.
+void write_samples(std::ostream& csv, const std::string& name,
+                   const std::vector<StartRecord>& records, bool header);
 
 /// The figures of the replay tool, by its names.
 [[nodiscard]] std::string summary_json(const std::string& log_name, const Evaluation& evaluation,
