@@ -21,9 +21,9 @@ server=
 trap 'if [[ -n $server ]]; then kill "$server" 2>/dev/null && wait "$server" || true; fi; rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
 
-exec {ready}< <(exec cornerfix serve --db "$work/demo.db" --port 0)
+exec {ready}< <(exec cornerfix serve --db "$work/demo.db" --port 0 2>"$work/server.log")
 server=$!
-read -r line <&"$ready" || { echo "the server did not start" >&2; exit 1; }
+read -r line <&"$ready" || { cat "$work/server.log" >&2; exit 1; }
 url=${line##* }
 
 echo "== Someone drives a lidar through the Willow Garage building and knows the way: the map"

@@ -75,7 +75,8 @@ class Inspector {
       [this.#maps, this.#sessions] = await Promise.all([api.listMaps(), api.listSessions()]);
       this.#notice('server', '');
     } catch (error) {
-      this.#notice('server', `The server does not answer: ${error.message}`);
+      this.#notice('server', error instanceof api.ApiError ? `The server refuses: ${error.message}`
+        : 'The server does not answer.');
       return;
     }
     // With one robot there is nothing to choose.
