@@ -34,16 +34,20 @@ Json hypothesis_json(const RankedHypothesis& hypothesis) {
   return json;
 }
 
+/// Millimetres of metres, microseconds of milliseconds: more digits would say nothing.
+Json to_thousandths(double value) { return number(std::round(value * 1e3) / 1e3); }
+
 Json times_json(const StepTimes& times) {
-  return {{"odometry", number(times.odometry_ms)}, {"extract", number(times.extract_ms)},
-          {"match", number(times.match_ms)},       {"verify", number(times.verify_ms)},
-          {"track", number(times.track_ms)},       {"total", number(times.total_ms)}};
+  return {{"odometry", to_thousandths(times.odometry_ms)},
+          {"extract", to_thousandths(times.extract_ms)},
+          {"match", to_thousandths(times.match_ms)},
+          {"verify", to_thousandths(times.verify_ms)},
+          {"track", to_thousandths(times.track_ms)},
+          {"total", to_thousandths(times.total_ms)}};
 }
 
-Json to_millimetres(double value_m) { return number(std::round(value_m * 1e3) / 1e3); }
-
 Json point_json(const Point2& point) {
-  return Json::array({to_millimetres(point.x()), to_millimetres(point.y())});
+  return Json::array({to_thousandths(point.x()), to_thousandths(point.y())});
 }
 
 Json bounds_json(const std::optional<Bounds>& bounds) {
