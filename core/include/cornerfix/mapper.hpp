@@ -21,9 +21,9 @@ struct MapperParams {
   double key_frame_distance_m = 0.15;  ///< A scan this far from the last key frame is one; >= 0.
   double key_frame_angle_rad = 0.14;   ///< Or turned by this much; >= 0.
   int min_feature_count = 2;           ///< Key frames that must show a feature; >= 1.
-  OccupancyMappingParams grid;
-  FeatureMapParams features;
-  DescriptorParams descriptors;
+  OccupancyMappingParams grid{};
+  FeatureMapParams features{};
+  DescriptorParams descriptors{};
 };
 
 [[nodiscard]] std::optional<Error> validate(const MapperParams& params);

@@ -27,8 +27,8 @@ struct SubmapParams {
   double field_extent_m = 50.0;     ///< Its side; walls outside are not matched; > 0.
   double stamp_radius_m =
       0.5;  ///< How far from a wall the field reaches: the basin of the match; > 0.
-  EvidenceGridParams evidence;
-  FeatureMapParams features;
+  EvidenceGridParams evidence{};
+  FeatureMapParams features{};
 };
 
 /// A scan kept in the submap.
