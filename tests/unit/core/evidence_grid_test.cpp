@@ -49,16 +49,6 @@ void expect_same(const Evidence& actual, const Evidence& expected) {
   expect_same(actual.free, expected.free);
 }
 
-double distance_to_walls(const SceneBuilder& scene, const Point2& p) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const testing::Wall& wall : scene.walls()) {
-    const Point2 along = wall.b - wall.a;
-    const double share = std::clamp((p - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    nearest = std::min(nearest, (wall.a + share * along - p).norm());
-  }
-  return nearest;
-}
-
 TEST(EvidenceGrid, ARemovedScanLeavesNoTrace) {
   const LaserScan first = scan_at(room(), {0.0, 0.0, 0.0});
   const LaserScan second = scan_at(room(), {1.0, -1.0, 0.8});
@@ -123,7 +113,7 @@ TEST(EvidenceGrid, EndsLieOnWalls) {
   const std::vector<Point2> ends = grid.collect().ends;
   EXPECT_GT(ends.size(), 50U);
   for (const Point2& end : ends) {
-    EXPECT_LT(distance_to_walls(room(), end), 0.5 * kCell) << end.transpose();
+    EXPECT_LT(room().distance_to_walls(end), 0.5 * kCell) << end.transpose();
   }
 }
 
@@ -150,7 +140,7 @@ TEST(EvidenceGrid, WhatIsFreeIsFree) {
   const std::vector<Point2> free = grid.collect().free;
   EXPECT_GT(free.size(), 100U);
   for (const Point2& p : free) {
-    EXPECT_GT(distance_to_walls(room(), p), 0.05) << p.transpose();
+    EXPECT_GT(room().distance_to_walls(p), 0.05) << p.transpose();
     bool seen = false;  // some part of the cell
     for (int i = 0; i < 6 * 9; ++i) {
       const Point2 part = p + 0.45 * kCell * Point2(i % 3 - 1, i / 3 % 3 - 1);

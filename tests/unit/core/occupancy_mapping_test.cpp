@@ -78,7 +78,8 @@ TEST(OccupancyMapping, WallsStandWhereTheyAre) {
 
 TEST(OccupancyMapping, WallsHaveNoGaps) {
   const OccupancyGrid grid = build_occupancy_grid(scans_of(room(), kPoses, 0.01), {});
-  for (const testing::Wall& wall : room().walls()) {
+  const SceneBuilder scene = room();
+  for (const testing::Wall& wall : scene.walls()) {
     for (int i = 1; i < 100; ++i) {
       const Point2 p = wall.a + (wall.b - wall.a) * (i / 100.0);
       EXPECT_TRUE(wall_near(grid, p, 1)) << p.transpose();
