@@ -250,14 +250,15 @@ struct Localizer::Impl {
   void match_features(std::size_t map, std::vector<Candidate>& found) const {
     const std::vector<Feature>& features = submap.features();
     const DescriptorSet& global = maps[map]->descriptors();
+    const DescriptorIndex& index = maps[map]->descriptor_index();
     const DescriptorSet local = describe(features, global.params);
     const auto max_matches = static_cast<std::size_t>(params.max_matches);
     SampledMatchParams sampling = params.sampling;
     sampling.seed = params.seed + scans;
     const std::vector<DescriptorMatch> matches =
         params.method == Method::kNma
-            ? match_exhaustive(local, global, params.min_votes, max_matches)
-            : match_sampled(local, global, params.min_votes, max_matches, sampling);
+            ? match_exhaustive(local, index, params.min_votes, max_matches)
+            : match_sampled(local, index, params.min_votes, max_matches, sampling);
     for (const DescriptorMatch& match : matches) {
       std::vector<Correspondence> correspondences;
       for (const auto& [m, n] : pairs_of(match, local, global)) {

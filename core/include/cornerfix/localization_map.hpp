@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include <cornerfix/descriptor_matcher.hpp>
 #include <cornerfix/distance_field.hpp>
 #include <cornerfix/evidence_model.hpp>
 #include <cornerfix/mapper.hpp>
@@ -22,6 +23,7 @@ class LocalizationMap {
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   [[nodiscard]] const std::vector<Feature>& features() const { return content_.features; }
   [[nodiscard]] const DescriptorSet& descriptors() const { return content_.descriptors; }
+  [[nodiscard]] const DescriptorIndex& descriptor_index() const { return descriptor_index_; }
   [[nodiscard]] const OccupancyGrid& grid() const { return content_.grid; }
   [[nodiscard]] const DistanceField& field() const { return field_; }
   [[nodiscard]] const ClassField& classes() const { return classes_; }
@@ -31,6 +33,7 @@ class LocalizationMap {
   std::string name_;
   std::uint64_t revision_;
   MapContent content_;
+  DescriptorIndex descriptor_index_;
   DistanceField field_;
   ClassField classes_;
   PlaceSearch place_search_;
