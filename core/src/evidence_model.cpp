@@ -93,9 +93,9 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
 double probability_right(const EvidenceScore& best, double gap) {
   if (best.ends == 0 || gap <= 0.0) return 0.0;
   const double mean = best.log_likelihood / best.ends;
-  const double z = -16.35 + 0.365 * std::sqrt(gap) + 3.64 * std::sqrt(gap / best.ends) +
-                   0.85 * std::min(mean, 1.0) - 1.49 * std::log(best.contradicted + 0.02) -
-                   2.28 * std::log(best.blocked + 0.02);
+  const double z = -16.76 + 0.526 * std::sqrt(gap) + 0.644 * std::sqrt(gap / best.ends) +
+                   0.975 * std::min(mean, 1.0) - 1.740 * std::log(best.contradicted + 0.02) -
+                   2.105 * std::log(best.blocked + 0.02);
   return 1.0 / (1.0 + std::exp(-z));
 }
 

@@ -22,7 +22,8 @@ constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
 constexpr std::size_t kRefinePoints = 200;
 constexpr double kRivalMargin =
     1.0;  // mean log-likelihood below the best at which a rival cannot matter [nat]
-constexpr double kMinRivalWeight = -0.2;  // and below which a place is no candidate at all
+constexpr double kMinRivalWeight = -0.2;    // below this a place is no candidate at all
+constexpr double kLeastRivalWeight = -0.5;  // taken for the best other place when there is none
 
 // Tracking.
 constexpr double kFitDistance = 0.2;  // a return this near to a wall fits
@@ -357,7 +358,7 @@ struct Localizer::Impl {
   [[nodiscard]] double gap() const {
     const EvidenceScore& best = candidates.front().score;
     const double floor =
-        std::max(kMinRivalWeight * best.ends, best.log_likelihood - kRivalMargin * best.ends);
+        std::max(kLeastRivalWeight * best.ends, best.log_likelihood - kRivalMargin * best.ends);
     const double second =
         candidates.size() > 1 ? std::max(floor, candidates[1].score.log_likelihood) : floor;
     return best.log_likelihood - second;

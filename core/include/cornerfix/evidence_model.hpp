@@ -29,8 +29,8 @@ inline constexpr std::size_t kPassClasses = 4;
 /// Log-likelihood ratios [nat]: near classes, then far ones in known-free space, then far ones in
 /// unknown space.
 inline constexpr std::array<float, kEndClasses> kEndWeights{
-    0.85F, -0.04F, -1.00F, -1.19F, -1.61F, -1.62F, -1.60F, -1.60F, -0.73F, -0.73F, -0.71F, -1.25F};
-inline constexpr std::array<float, kPassClasses> kPassWeights{-0.89F, -0.64F, 0.15F, -0.73F};
+    0.75F, 0.43F, -0.48F, -0.79F, -1.89F, -2.25F, -2.93F, -2.52F, -0.24F, -0.25F, -0.12F, -0.35F};
+inline constexpr std::array<float, kPassClasses> kPassWeights{-1.27F, -0.97F, 0.16F, -0.35F};
 
 /// The classes of a map's cells, two nibbles a cell. Immutable.
 class ClassField {
