@@ -76,9 +76,8 @@ std::string reason_text(const nlohmann::json& answer) {
   return text;
 }
 
-/// What is printed when the status changes: seconds, metres, status, then the pose beside the true
-/// one, or why there is none.
-void print_change(const nlohmann::json& answer, double seconds, double way, const LogScan& last) {
+/// Seconds, metres, status, then the pose beside the true one, or why there is none.
+void print_answer(const nlohmann::json& answer, double seconds, double way, const LogScan& last) {
   std::printf("%8.1f s %7.2f m  %-10s", seconds, way, answer.value("status", "?").c_str());
   const auto pose_member = answer.find("pose");
   const auto pose = pose_member == answer.end() ? std::nullopt : pose_from_json(*pose_member);
@@ -151,11 +150,47 @@ class Pace {
   std::chrono::steady_clock::time_point start_;
 };
 
+/// Prints an answer when its status is not that of the one before, and the last one in any case.
+class ChangePrinter {
+ public:
+  void add(nlohmann::json answer, double seconds, double way, const LogScan& last_scan) {
+    const bool is_change = status(answer) != status(answer_);
+    answer_ = std::move(answer);
+    seconds_ = seconds;
+    way_ = way;
+    last_scan_ = &last_scan;
+    is_printed_ = false;
+    if (is_change) print();
+  }
+
+  void finish() {
+    if (last_scan_ != nullptr && !is_printed_) print();
+  }
+
+  [[nodiscard]] bool is_localized() const { return status(answer_) == "localized"; }
+
+ private:
+  static std::string status(const nlohmann::json& answer) {
+    return answer.is_object() ? answer.value("status", "") : "";
+  }
+
+  void print() {
+    print_answer(answer_, seconds_, way_, *last_scan_);
+    is_printed_ = true;
+  }
+
+  nlohmann::json answer_;
+  double seconds_ = 0.0;
+  double way_ = 0.0;
+  const LogScan* last_scan_ = nullptr;
+  bool is_printed_ = false;
+};
+
 /// True when the robot knows where it is at the end: of the log, or some way after its first fix.
 Result<bool> drive(Robot& robot, const ReplayArguments& arguments, std::span<const LogScan> scans,
-                   bool is_printing) {
-  const Pace pace(is_printing ? 0.0 : arguments.rate);
-  std::string status;
+                   bool is_printing_curl) {
+  const Pace pace(is_printing_curl ? 0.0 : arguments.rate);
+  ChangePrinter printer;
   std::optional<double> fixed_at_m;
   double way = 0.0;
   for (std::size_t at = 0; at < scans.size(); at += arguments.batch) {
@@ -164,19 +199,15 @@ Result<bool> drive(Robot& robot, const ReplayArguments& arguments, std::span<con
     if (at > 0) way += way_between(scans[at - 1], scans[at]);
     way += way_along(batch);
     pace.wait_until(seconds);
-    const Result<nlohmann::json> answer = robot.post(batch);
+    Result<nlohmann::json> answer = robot.post(batch);
     if (!answer) return answer.error();
-    if (is_printing) continue;
-    const std::string now = answer->value("status", "");
-    if (now != status) print_change(*answer, seconds, way, batch.back());
-    status = now;
-    if (!fixed_at_m && status == "localized") fixed_at_m = way;
-    if (fixed_at_m && way >= *fixed_at_m + arguments.track_m) {
-      print_change(*answer, seconds, way, batch.back());
-      break;
-    }
+    if (is_printing_curl) continue;
+    printer.add(std::move(*answer), seconds, way, batch.back());
+    if (!fixed_at_m && printer.is_localized()) fixed_at_m = way;
+    if (fixed_at_m && way >= *fixed_at_m + arguments.track_m) break;
   }
-  return status == "localized";
+  printer.finish();
+  return printer.is_localized();
 }
 
 int run_replay(const ReplayArguments& arguments) {
