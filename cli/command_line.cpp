@@ -1,6 +1,7 @@
 #include "cli/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <exception>
 
 #include "cli/command.hpp"
 
@@ -22,6 +23,9 @@ int run_command_line(int argc, const char* const* argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kWrongUse;  // --help comes here too.
+  } catch (const std::exception& error) {
+    // No memory left, or an answer of a shape that no Cornerfix server gives.
+    return fail({ErrorCode::kInternal, error.what(), ""});
   }
   return exit_code;
 }
