@@ -1,14 +1,22 @@
 #include "cli/map_build.hpp"
 
+#include <spdlog/fmt/chrono.h>
+
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
+#include <ctime>
+#include <functional>
+#include <span>
 #include <utility>
+#include <variant>
 
+#include "api/requests.hpp"
 #include "cli/command.hpp"
 #include "cli/evaluation.hpp"
 #include "cli/progress.hpp"
 #include "cli/scan_json.hpp"
+#include "server/map_library.hpp"
+#include "server/store_access.hpp"
 
 namespace cornerfix::cli {
 
@@ -20,18 +28,34 @@ std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-struct Growth {
-  std::size_t duplicates = 0;
-  std::size_t key_frames = 0;
-  std::size_t features = 0;
-  std::size_t revision = 0;
-};
+/// What a batch added, and where the map stands after it.
+using Growth = server::MapGrowthReport;
+using AddBatch = std::function<Result<Growth>(std::span<const LogScan>)>;
 
-HttpRequest describe_request(const MapBuildArguments& arguments, const LogHeader& header) {
+/// Adds all scans, a batch after the other. Returns where the map stands in the end.
+Result<Growth> add_in_batches(std::span<const LogScan> scans, const AddBatch& add,
+                              Progress* progress) {
+  Growth total;
+  for (std::size_t at = 0; at < scans.size(); at += kScansPerBatch) {
+    const auto batch = scans.subspan(at, std::min(kScansPerBatch, scans.size() - at));
+    Result<Growth> growth = add(batch);
+    if (!growth) return growth;
+    growth->accepted += total.accepted;
+    growth->duplicates += total.duplicates;
+    total = *growth;
+    if (progress == nullptr) continue;
+    progress->update(static_cast<double>(at + batch.size()) / static_cast<double>(scans.size()));
+  }
+  return total;
+}
+
+std::string description_body(const MapBuildArguments& arguments, const LogHeader& header) {
   const nlohmann::ordered_json body = {{"description", "from " + file_name(arguments.log)},
                                        {"lidar", lidar_json(header)}};
-  return {"PUT", "/v1/maps/" + percent_encode(arguments.name), body.dump()};
+  return body.dump();
 }
+
+// --- over HTTP ----------------------------------------------------------------------------------
 
 HttpRequest batch_request(const std::string& map, const LogHeader& header,
                           std::span<const LogScan> scans) {
@@ -41,25 +65,79 @@ HttpRequest batch_request(const std::string& map, const LogHeader& header,
   return {"POST", "/v1/maps/" + percent_encode(map) + "/scans", body.dump()};
 }
 
+Growth growth_from_json(const nlohmann::json& answer) {
+  if (!answer.is_object()) return {};  // Nothing was sent.
+  return {.accepted = answer.value("accepted", std::size_t{0}),
+          .duplicates = answer.value("duplicates", std::size_t{0}),
+          .key_frames = answer.value("keyframes", std::size_t{0}),
+          .features = answer.value("features", std::size_t{0}),
+          .revision = answer.value("revision", std::uint64_t{0})};
+}
+
 Result<Growth> build_over_http(const MapBuildArguments& arguments, const LogHeader& header,
                                std::span<const LogScan> scans) {
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
-  const Result<nlohmann::json> described = server->call(describe_request(arguments, header));
+  const Result<nlohmann::json> described = server->call(
+      {"PUT", "/v1/maps/" + percent_encode(arguments.name), description_body(arguments, header)});
   if (!described) return described.error();
-  Growth growth;
-  Progress progress("mapping");
-  for (std::size_t at = 0; at < scans.size(); at += kScansPerBatch) {
-    const auto batch = scans.subspan(at, std::min(kScansPerBatch, scans.size() - at));
+  const auto add = [&](std::span<const LogScan> batch) -> Result<Growth> {
     const auto answer = server->call(batch_request(arguments.name, header, batch));
     if (!answer) return answer.error();
-    if (server->is_printing()) continue;
-    growth.duplicates += answer->value("duplicates", std::size_t{0});
-    growth.key_frames = answer->value("keyframes", std::size_t{0});
-    growth.features = answer->value("features", std::size_t{0});
-    growth.revision = answer->value("revision", std::size_t{0});
-    progress.update(static_cast<double>(at + batch.size()) / static_cast<double>(scans.size()));
+    return growth_from_json(*answer);
+  };
+  if (server->is_printing()) return add_in_batches(scans, add, nullptr);
+  Progress progress("mapping");
+  return add_in_batches(scans, add, &progress);
+}
+
+// --- into a file --------------------------------------------------------------------------------
+
+/// RFC 3339 in UTC.
+std::string now_text() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+/// What the request checks over HTTP is checked here as well.
+Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
+                          const LogHeader& header) {
+  if (!api::is_valid_name(arguments.name)) {
+    return Error{ErrorCode::kInvalidArgument, "is no name for a map", arguments.name};
   }
+  const auto request =
+      api::parse_put_map(description_body(arguments, header), api::BodyFormat::kJson);
+  if (const auto* problem = std::get_if<api::Problem>(&request)) {
+    return Error{ErrorCode::kInvalidArgument, problem->detail, arguments.log};
+  }
+  const Result<bool> put = library.put(arguments.name, std::get<api::PutMapRequest>(request));
+  if (!put) return put.error();
+  return {};
+}
+
+std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
+  std::vector<PosedScan> posed;
+  posed.reserve(scans.size());
+  for (const LogScan& scan : scans) posed.push_back({scan.scan, Pose2{}, *scan.T_map_laser});
+  return posed;
+}
+
+Result<Growth> build_into_file(const MapBuildArguments& arguments, const LogHeader& header,
+                               std::span<const LogScan> scans) {
+  const auto stores = server::StoreAccess::open(arguments.database);
+  if (!stores) return stores.error();
+  server::MapLibrary library(*stores, {}, now_text);
+  const Result<void> described = describe_map(library, arguments, header);
+  if (!described) return described.error();
+  Progress progress("mapping");
+  Result<Growth> growth = add_in_batches(
+      scans,
+      [&](std::span<const LogScan> batch) {
+        return library.grow(arguments.name, posed_scans(batch));
+      },
+      &progress);
+  if (!growth) return growth;
+  const auto ready = library.load(arguments.name);  // Stores the features and the grid as well.
+  if (!ready) return ready.error();
   return growth;
 }
 
@@ -83,12 +161,14 @@ int run_map_build(const MapBuildArguments& arguments) {
   if (scans.empty()) {
     return fail({ErrorCode::kInvalidArgument, "holds no scan with a pose", arguments.log});
   }
-  const Result<Growth> growth = build_over_http(arguments, header, scans);
+  const Result<Growth> growth = arguments.database.empty()
+                                    ? build_over_http(arguments, header, scans)
+                                    : build_into_file(arguments, header, scans);
   if (!growth) return fail(growth.error());
   if (arguments.connection.print_curl) return kDone;
-  std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %zu\n",
+  std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
               arguments.name.c_str(), scans.size(), growth->duplicates, growth->key_frames,
-              growth->features, growth->revision);
+              growth->features, static_cast<unsigned long long>(growth->revision));
   return kDone;
 }
 

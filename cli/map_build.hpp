@@ -12,6 +12,7 @@ namespace cornerfix::cli {
 
 struct MapBuildArguments {
   ConnectionOptions connection;
+  std::string database;  ///< Where to write instead of asking a server; empty for the server.
   std::string name;
   std::string log;
   double split = 1.0;

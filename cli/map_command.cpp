@@ -128,7 +128,12 @@ void add_build_command(CLI::App& map, int& exit_code) {
   command->add_option("--stride", arguments->stride, "Use every n-th scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  CLI::Option* database = command->add_option(
+      "--db", arguments->database, "Write into this database file instead of asking a server");
   add_connection_options(*command, arguments->connection);
+  for (const char* option : {"--server", "--token", "--print-curl"}) {
+    database->excludes(command->get_option(option));
+  }
   command->callback([arguments, &exit_code] { exit_code = run_map_build(*arguments); });
 }
 

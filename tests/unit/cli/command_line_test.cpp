@@ -65,6 +65,8 @@ TEST_F(CommandLine, EndsWrongUseWithTwo) {
       {"map", "build", "a", "/no/such/log.jsonl"},
       {"map", "build", "a", log.c_str(), "--split", "2"},
       {"map", "build", "a", log.c_str(), "--stride", "0"},
+      {"map", "build", "a", log.c_str(), "--db", "a.db", "--server", "http://127.0.0.1:1"},
+      {"map", "build", "a", log.c_str(), "--db", "a.db", "--print-curl"},
       {"map", "show"},
       {"replay"},
       {"replay", log.c_str(), "--batch", "101"},
@@ -160,6 +162,27 @@ TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
   const auto scans = nlohmann::json::parse(requests[1].body)["scans"];
   ASSERT_EQ(scans.size(), 2U);  // 0 and 3 of the first six.
   EXPECT_EQ(scans[1]["stamp"], 3.0);
+}
+
+TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
+  const std::string log = directory_.write("walk.jsonl", walk(60)).string();
+  const std::string database = (directory_.path() / "maps.db").string();
+  const std::vector<const char*> arguments = {"map",       "build", "attic",
+                                              log.c_str(), "--db",  database.c_str()};
+  const Outcome first = run(arguments);
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("attic: 60 scans (0 there already), 60 key frames"));
+  const Outcome second = run(arguments);
+  EXPECT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_THAT(second.out, HasSubstr("attic: 60 scans (60 there already), 60 key frames"));
+}
+
+TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {
+  const std::string log = directory_.write("walk.jsonl", walk(3)).string();
+  const std::string database = (directory_.path() / "maps.db").string();
+  const Outcome outcome = run({"map", "build", "a/b", log.c_str(), "--db", database.c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("a/b: is no name for a map"));
 }
 
 /// A server that finds the robot at the third batch.
