@@ -96,6 +96,8 @@ class Inspector {
   #take(answer) {
     const before = this.#answer;
     this.#answer = answer;
+    const session = this.#session();
+    if (session) session.last_answer = answer;
     if (answer.pose) this.#growPath(before, answer.pose);
     const moved = answer.pose && options.follow.checked && answer.pose.map !== this.#chosen.map;
     if (moved) this.#goTo({ map: answer.pose.map });
