@@ -15,29 +15,31 @@ scripts/install_dependencies.sh build
 cmake --preset release >/dev/null
 cmake --build --preset release --target cornerfix
 PATH=$PWD/build/release/bin:$PATH
+floor=$PWD/tests/data/willow_full_0.05.yaml
 
 work=$(mktemp -d)
+cd "$work"
 server=
-trap 'if [[ -n $server ]]; then kill "$server" 2>/dev/null && wait "$server" || true; fi; rm -rf "$work"' EXIT
+trap 'if [[ -n $server ]]; then kill "$server" 2>/dev/null && wait "$server" || true; fi; cd /; rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
 
-exec {ready}< <(exec cornerfix serve --db "$work/demo.db" --port 0 2>"$work/server.log")
+exec {ready}< <(exec cornerfix serve --db demo.db --port 0 2>server.log)
 server=$!
-read -r line <&"$ready" || { cat "$work/server.log" >&2; exit 1; }
+read -r line <&"$ready" || { cat server.log >&2; exit 1; }
 url=${line##* }
 
 echo "== Someone drives a lidar through the Willow Garage building and knows the way: the map"
-cornerfix simulate tests/data/willow_full_0.05.yaml "$work/mapping.jsonl.gz" --seed 1 --length 600 --step 0.3
-cornerfix map build willow "$work/mapping.jsonl.gz" --server "$url"
+cornerfix simulate "$floor" mapping.jsonl.gz --seed 1 --length 600 --step 0.3
+cornerfix map build willow mapping.jsonl.gz --server "$url"
 
 echo "== A robot is switched on somewhere, people walk about; watch it at $url"
-cornerfix simulate tests/data/willow_full_0.05.yaml "$work/robot.jsonl.gz" --seed 2 --length 60 --people 3
-cornerfix replay "$work/robot.jsonl.gz" --map willow --server "$url" --robot demo --keep-session "${pace[@]}" |
-  tee "$work/replay.txt"
+cornerfix simulate "$floor" robot.jsonl.gz --seed 2 --length 60 --people 3
+cornerfix replay robot.jsonl.gz --map willow --server "$url" --robot demo --keep-session "${pace[@]}" |
+  tee replay.txt
 
 $once || { echo "== The page stays at $url until Ctrl-C"; wait "$server"; }
 
 # The last of the lines "... error 0.03 m, 0.2 deg".
-read -r metres degrees < <(sed -nE 's/.*error ([0-9.]+) m, ([0-9.]+) deg.*/\1 \2/p' "$work/replay.txt" | tail -n 1)
+read -r metres degrees < <(sed -nE 's/.*error ([0-9.]+) m, ([0-9.]+) deg.*/\1 \2/p' replay.txt | tail -n 1)
 echo "== The robot's last pose is $metres m and $degrees deg off"
 awk -v m="$metres" -v d="$degrees" 'BEGIN { exit !(m <= 0.3 && d <= 3) }'
