@@ -8,8 +8,19 @@ export class ApiError extends Error {
   }
 }
 
-async function get(path) {
-  const response = await fetch(path, { headers: { Accept: 'application/json' } });
+const RETRY_MS = 2000;
+let bearer = sessionStorage.getItem('token');
+
+// For servers that ask for one; forgotten when the tab is closed.
+export function useToken(token) {
+  bearer = token;
+  sessionStorage.setItem('token', token);
+}
+
+async function get(path, { accept = 'application/json', signal } = {}) {
+  const headers = { Accept: accept };
+  if (bearer) headers.Authorization = `Bearer ${bearer}`;
+  const response = await fetch(path, { headers, signal });
   if (!response.ok) {
     throw new ApiError(response.status, await response.json().catch(() => null));
   }
@@ -41,7 +52,8 @@ export async function mapFeatures(name) {
 
 // The grid as a png, its cell size and where its lower left corner lies [m].
 export async function mapGrid(name) {
-  const [image, yaml] = await Promise.all([get(`${mapPath(name)}/grid.png`), get(`${mapPath(name)}/grid.yaml`)]);
+  const [image, yaml] = await Promise.all([get(`${mapPath(name)}/grid.png`, { accept: 'image/png' }),
+    get(`${mapPath(name)}/grid.yaml`, { accept: '*/*' })]);
   return { image: await image.blob(), ...parseGridYaml(await yaml.text()) };
 }
 
@@ -52,14 +64,41 @@ function parseGridYaml(text) {
   return { resolution: Number(value('resolution')), origin: { x: origin[0], y: origin[1] } };
 }
 
-// Follows a session by Server-Sent Events until the returned function is called. The browser connects
-// again by itself after a lost connection; `onState` hears 'live', 'retrying' and 'closed' (refused).
+// Calls back with each event of a stream named "answer" (Server-Sent Events).
+async function readAnswers(stream, onAnswer) {
+  const reader = stream.pipeThrough(new TextDecoderStream()).getReader();
+  let text = '';
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    const events = (text + value).split('\n\n');
+    text = events.pop();
+    for (const event of events) {
+      if (/^event: ?answer$/m.test(event)) onAnswer(JSON.parse(event.match(/^data: ?(.*)$/m)[1]));
+    }
+  }
+}
+
+// Follows a session live until the returned function is called, and connects again after a lost connection.
+// `onState` hears 'live', 'retrying' and, when the server refuses, 'closed'. EventSource would do, but cannot
+// carry a token.
 export function watchSession(id, { onAnswer, onState }) {
-  const source = new EventSource(`${sessionPath(id)}/events`);
-  source.addEventListener('open', () => onState('live'));
-  source.addEventListener('answer', (event) => onAnswer(JSON.parse(event.data)));
-  source.addEventListener('error', () => {
-    onState(source.readyState === EventSource.CLOSED ? 'closed' : 'retrying');
-  });
-  return () => source.close();
+  const stop = new AbortController();
+  const follow = async () => {
+    try {
+      const response = await get(`${sessionPath(id)}/events`, { accept: 'text/event-stream', signal: stop.signal });
+      onState('live');
+      await readAnswers(response.body, onAnswer);
+    } catch (error) {
+      if (stop.signal.aborted) return;
+      if (error instanceof ApiError) {
+        onState('closed');
+        return;
+      }
+    }
+    onState('retrying');
+    setTimeout(() => stop.signal.aborted || follow(), RETRY_MS);
+  };
+  follow();
+  return () => stop.abort();
 }

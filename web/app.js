@@ -27,6 +27,12 @@ class Inspector {
     document.addEventListener('visibilitychange', () => this.#refresh());
     part('view-options').addEventListener('change', () => this.#redrawAll());
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.#redrawAll());
+    part('token-form').addEventListener('submit', (event) => {
+      event.preventDefault();
+      api.useToken(event.target.elements.token.value);
+      this.#watch(this.#chosen.session);
+      this.#refresh();
+    });
     this.#choose();
     const again = async () => {
       await this.#refresh();
@@ -74,7 +80,9 @@ class Inspector {
     try {
       [this.#maps, this.#sessions] = await Promise.all([api.listMaps(), api.listSessions()]);
       this.#notice('server', '');
+      part('token-form').hidden = true;
     } catch (error) {
+      part('token-form').hidden = ![401, 403].includes(error.status);
       this.#notice('server', error instanceof api.ApiError ? `The server refuses: ${error.message}`
         : 'The server does not answer.');
       return;

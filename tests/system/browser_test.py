@@ -90,9 +90,9 @@ def as_pose(values):
 class Server:
     """The real server on a free port and a fresh database."""
 
-    def __init__(self, cornerfix, directory):
+    def __init__(self, cornerfix, *options):
         self.process = subprocess.Popen(
-            [cornerfix, "serve", "--db", str(directory / "maps.db"), "--port", "0"],
+            [cornerfix, "serve", "--port", "0", *options],
             stdout=subprocess.PIPE, text=True)
         self.url = re.search(r"http://\S+", self.process.stdout.readline()).group()
 
@@ -103,8 +103,9 @@ class Server:
             return json.load(answer)
 
     def stop(self):
-        self.process.terminate()
-        return self.process.wait()
+        with self.process:
+            self.process.terminate()
+        return self.process.returncode
 
 
 class Robot:
@@ -160,7 +161,7 @@ class InspectorTest(unittest.TestCase):
                        check=True)
         subprocess.run([cornerfix, "simulate", floor, cls.robot_log, "--seed", "1", "--length", "40",
                         "--noise", "0.03"], check=True)
-        cls.server = Server(cornerfix, directory)
+        cls.server = Server(cornerfix, "--db", directory / "maps.db")
         cls.browser = start_browser()
 
     @classmethod
@@ -177,6 +178,24 @@ class InspectorTest(unittest.TestCase):
 
     def screenshot(self, name):
         self.browser.save_screenshot(str(pathlib.Path(self.arguments.screenshots) / name))
+
+    def complaints(self):
+        return [entry["message"] for entry in self.browser.get_log("browser")
+                if entry["level"] in ("SEVERE", "WARNING")]
+
+    def test_a_server_that_asks_for_a_token_gets_it(self):
+        directory = pathlib.Path(self.directory.name)
+        config = directory / "config.json"
+        config.write_text(json.dumps({"tokens": [{"token": "correct-horse-battery", "role": "viewer", "name": "me"}]}))
+        server = Server(self.arguments.cornerfix, "--db", directory / "guarded.db", "--config", config)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        entry = self.browser.find_element(By.NAME, "token")
+        self.wait_for(entry.is_displayed, "the form that asks for a token")
+        entry.send_keys("correct-horse-battery\n")
+        self.wait_for(lambda: "cornerfix map build" in " ".join(self.shown("#maps code")), "what the token opens")
+        self.assertFalse(entry.is_displayed())
+        self.assertTrue(all(" 401 " in complaint for complaint in self.complaints()))
 
     def test_a_robot_becomes_localized_before_the_watchers_eyes(self):
         self.browser.get(self.server.url)
@@ -215,8 +234,7 @@ class InspectorTest(unittest.TestCase):
         self.browser.get(address)
         self.wait_for(lambda: expected in self.shown("#session dd"), "the last answer of a robot that is silent")
 
-        complaints = [entry for entry in self.browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
-        self.assertEqual(complaints, [])
+        self.assertEqual(self.complaints(), [])
 
 
 if __name__ == "__main__":
