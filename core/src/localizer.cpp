@@ -15,6 +15,8 @@ constexpr double kMinMatchedShare = 0.3;   // below this a scan does not belong 
 constexpr int kMaxStrayScans =
     3;  // as many in a row: the robot was carried, the submap begins anew
 
+constexpr int kMaxStillScans = 10;  // without anything new: say that driving on would help
+
 // Candidates.
 constexpr std::size_t kMaxCandidates = 12;
 constexpr double kDistinctDistance = 1.0;  // places nearer than this and
@@ -119,6 +121,7 @@ struct Localizer::Impl {
   std::optional<double> last_stamp;
   std::optional<Pose2> last_T_odom_base_link;
   int stray_scans = 0;
+  int still_scans = 0;            ///< In a row that showed nothing new.
   bool searched = false;          ///< At this scan.
   std::size_t searched_ends = 0;  ///< Evidence at the last search of the whole map.
   double searched_way_m = 0.0;
@@ -151,6 +154,7 @@ struct Localizer::Impl {
     const double extract_begin = now();
     const bool news = !points.empty() && submap.wants(T_submap_base_link);
     if (news) keep(robot_scan);
+    still_scans = news ? 0 : still_scans + 1;
     times.extract_ms = now() - extract_begin;
 
     if (fix) {
@@ -162,6 +166,8 @@ struct Localizer::Impl {
       if (fix) track(points, false);
     } else if (submap.empty()) {
       reason = Reason::kNoReturns;
+    } else if (still_scans >= kMaxStillScans && status == Status::kCollecting) {
+      reason = Reason::kNoMotion;
     }
     ++scans;
     times.total_ms = now() - begin;
@@ -379,9 +385,10 @@ struct Localizer::Impl {
     status = before == Status::kLost ? Status::kLost : Status::kCollecting;
     confidence = 0.0;
     if (candidates.empty()) {
-      reason = submap.features().size() < static_cast<std::size_t>(params.min_features)
-                   ? Reason::kFewFeatures
-                   : Reason::kNoMatch;
+      const bool few_features =
+          params.method != Method::kIndexed &&
+          submap.features().size() < static_cast<std::size_t>(params.min_features);
+      reason = few_features ? Reason::kFewFeatures : Reason::kNoMatch;
       return;
     }
     const EvidenceScore& best = candidates.front().score;
@@ -540,6 +547,8 @@ void Localizer::restore(LocalizerState state) {
     fix.score =
         score_evidence(impl_->maps[fix.map]->classes(), impl_->submap.evidence(), fix.T_map_submap);
     impl_->fix = fix;
+    impl_->confidence =
+        impl_->params.acceptance.min_probability;  // what it had at the fix, at least
   } else if (impl_->status == Status::kLocalized) {
     impl_->status = Status::kCollecting;
   }

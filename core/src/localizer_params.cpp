@@ -7,9 +7,9 @@ namespace cornerfix {
 namespace {
 
 constexpr std::array<std::pair<Method, std::string_view>, 3> kMethodNames{{
+    {Method::kIndexed, "indexed"},
     {Method::kRma, "rma"},
     {Method::kNma, "nma"},
-    {Method::kIndexed, "indexed"},
 }};
 
 }  // namespace

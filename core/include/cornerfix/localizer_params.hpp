@@ -14,9 +14,10 @@ namespace cornerfix {
 
 /// Where hypotheses come from. Names on the wire: to_string().
 enum class Method {
-  kRma,  ///< The paper's random match.
-  kIndexed,
-  kNma,  ///< The paper's naive match: every local against every global descriptor.
+  kIndexed,  ///< All places of the map by branch and bound, when there is news enough to look
+             ///< again.
+  kRma,      ///< The paper's random match.
+  kNma,      ///< The paper's naive match: every local against every global descriptor.
 };
 
 [[nodiscard]] std::string_view to_string(Method method);
@@ -25,12 +26,12 @@ enum class Method {
 /// What makes a candidate a fix.
 struct AcceptanceParams {
   double min_probability = 0.985;  ///< Of the calibrated model; in (0, 1).
-  double min_gap = 20.0;          ///< Log-likelihood less that of the best other place [nat]; >= 0.
-  double min_mean_gap = 0.15;     ///< The same a beam end: identical rooms stay below; >= 0.
+  double min_gap = 20.0;       ///< Log-likelihood less that of the best other place [nat]; >= 0.
+  double min_mean_gap = 0.15;  ///< The same a beam end: identical rooms stay below; >= 0.
 };
 
 struct LocalizerParams {
-  Method method = Method::kRma;
+  Method method = Method::kIndexed;
   std::uint64_t seed = 1;       ///< Of all random draws.
   int min_features = 4;         ///< Submap features before matching is tried; >= 3.
   int min_votes = 4;            ///< S_t of algorithm 3; >= 1.

@@ -158,7 +158,7 @@ TEST(RenderSession, TellsMapsAndWhereToGoOn) {
   EXPECT_TRUE(json.at("map").is_null());
   EXPECT_EQ(json.at("maps").size(), 2U);
   EXPECT_EQ(json.at("expected"), 5);
-  EXPECT_EQ(json.at("options").at("method"), "rma");
+  EXPECT_EQ(json.at("options").at("method"), "indexed");
   EXPECT_TRUE(json.at("last_answer").is_null());
 }
 
