@@ -110,7 +110,7 @@ class Reader {
     if (const auto method = name != nullptr ? method_from_string(*name) : std::nullopt) {
       member = *method;
     } else {
-      field.fail("must be one of \"rma\", \"nma\"");
+      field.fail("must be rma or nma");
     }
   }
   template <typename Nested>
