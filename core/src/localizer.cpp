@@ -455,9 +455,8 @@ struct Localizer::Impl {
     Eigen::Matrix3d covariance = information.inverse();
     covariance.diagonal() += map_variance;
     std::array<double, 9> row_major{};
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) row_major[static_cast<std::size_t>(3 * r + c)] = covariance(r, c);
-    }
+    std::copy_n(covariance.data(), 9,
+                row_major.begin());  // symmetric, so the order does not matter
     return row_major;
   }
 

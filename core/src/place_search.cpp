@@ -252,7 +252,8 @@ void PlaceSearch::search_top(const Query& query, std::vector<Node>& open) const 
     for (const CellOffset offset : offsets) {
       const int x = kBorder + offset.x;
       const int y = kBorder + offset.y;
-      const auto phase = static_cast<std::size_t>((y % block) * block + x % block);
+      const int phase_index = (y % block) * block + x % block;
+      const auto phase = static_cast<std::size_t>(phase_index);
       const auto row = phase * blocks_y + static_cast<std::size_t>(y / block);
       sources.push_back(
           &pyramid.top_by_phase[row * blocks_x + static_cast<std::size_t>(x / block)]);
