@@ -384,7 +384,7 @@ Result<SubmapScan> decode_submap_scan(BlobView blob) {
 }
 
 Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
-  constexpr std::size_t kFixedSize = 143;
+  constexpr std::size_t kFixedSize = 152;
   Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
   writer.integer(state.next_index);
   writer.integer(state.scans);
@@ -394,6 +394,8 @@ Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapS
   put_optional_stamp(writer, state.last_stamp);
   put_optional_pose(writer, state.last_T_odom_base_link);
   writer.integer(static_cast<std::uint8_t>(state.status));
+  writer.integer(static_cast<std::uint8_t>(state.reason));
+  writer.real(state.confidence);
   writer.signed_integer(state.tracked_map);
   writer.pose(state.T_map_submap);
   writer.signed_integer(state.misfits);
@@ -419,6 +421,9 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
   state.last_T_odom_base_link = take_optional_pose(*reader);
   const auto status = reader->integer<std::uint8_t>();
   state.status = static_cast<Status>(status);
+  const auto reason = reader->integer<std::uint8_t>();
+  state.reason = static_cast<Reason>(reason);
+  state.confidence = reader->real();
   state.tracked_map = reader->signed_integer();
   state.T_map_submap = reader->pose();
   state.misfits = reader->signed_integer();
@@ -427,8 +432,9 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
     key.index = reader->integer<std::uint64_t>();
     key.checksum = reader->integer<std::uint32_t>();
   }
-  const bool known_status = status <= static_cast<std::uint8_t>(Status::kLost);
-  if (!reader->finished() || !known_status) return inconsistent("localizer state");
+  const bool known = status <= static_cast<std::uint8_t>(Status::kLost) &&
+                     reason <= static_cast<std::uint8_t>(Reason::kContradicted);
+  if (!reader->finished() || !known) return inconsistent("localizer state");
   return outline;
 }
 

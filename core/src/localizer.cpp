@@ -211,6 +211,7 @@ struct Localizer::Impl {
     stray_scans = 0;
     searched_ends = 0;
     candidates.clear();
+    confidence = 0.0;
     if (fix) {
       fix.reset();
       status = Status::kLost;
@@ -518,6 +519,8 @@ LocalizerState Localizer::state() const {
   state.last_stamp = impl_->last_stamp;
   state.last_T_odom_base_link = impl_->last_T_odom_base_link;
   state.status = impl_->status;
+  state.reason = impl_->reason;
+  state.confidence = impl_->confidence;
   if (impl_->fix) {
     state.tracked_map = static_cast<int>(impl_->fix->map);
     state.T_map_submap = impl_->fix->T_map_submap;
@@ -540,6 +543,8 @@ void Localizer::restore(LocalizerState state) {
   impl_->last_stamp = state.last_stamp;
   impl_->last_T_odom_base_link = state.last_T_odom_base_link;
   impl_->status = state.status;
+  impl_->reason = state.reason;
+  impl_->confidence = state.confidence;
   impl_->misfits = state.misfits;
   if (state.tracked_map >= 0 && static_cast<std::size_t>(state.tracked_map) < impl_->maps.size()) {
     Candidate fix{static_cast<std::size_t>(state.tracked_map), state.T_map_submap, 0, 0, {}};
@@ -550,6 +555,8 @@ void Localizer::restore(LocalizerState state) {
         impl_->params.acceptance.min_probability;  // what it had at the fix, at least
   } else if (impl_->status == Status::kLocalized) {
     impl_->status = Status::kCollecting;
+    impl_->reason = Reason::kNoMatch;
+    impl_->confidence = 0.0;
   }
 }
 

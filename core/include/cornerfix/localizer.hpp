@@ -76,7 +76,8 @@ struct Answer {
   StepTimes times;
 };
 
-/// All that a localizer remembers: enough to go on in another process.
+/// What a localizer remembers: enough to go on in another process. Hypotheses are not kept; the
+/// next scan that joins the submap makes them anew.
 struct LocalizerState {
   std::vector<SubmapScan> submap;
   std::uint64_t next_index = 0;      ///< Of the next scan to join the submap.
@@ -87,6 +88,8 @@ struct LocalizerState {
   std::optional<double> last_stamp;  ///< [s]
   std::optional<Pose2> last_T_odom_base_link;
   Status status = Status::kCollecting;
+  Reason reason = Reason::kFewFeatures;
+  double confidence = 0.0;
   int tracked_map = -1;  ///< Index into the localizer's maps, or -1.
   Pose2 T_map_submap;    ///< Valid while tracked_map >= 0.
   int misfits = 0;       ///< Consecutive scans that did not fit while localized.

@@ -135,6 +135,8 @@ LocalizerState sample_state(std::uint64_t first_index, int count, int seed) {
   state.last_stamp = 99.5 + seed;
   state.last_T_odom_base_link = Pose2{7.0, 8.0, -3.1};
   state.status = Status::kLocalized;
+  state.reason = Reason::kFewEvidence;
+  state.confidence = 0.625;
   state.tracked_map = 2;
   state.T_map_submap = {4.0, 5.0, 6.0};
   state.misfits = 3;
@@ -198,6 +200,7 @@ bool is_same(const LocalizerState& a, const LocalizerState& b) {
          is_same(a.T_submap_base_link, b.T_submap_base_link) &&
          is_same(a.last_motion, b.last_motion) && same(a.way_m, b.way_m) &&
          a.last_stamp == b.last_stamp && same_odometry && a.status == b.status &&
+         a.reason == b.reason && same(a.confidence, b.confidence) &&
          a.tracked_map == b.tracked_map && is_same(a.T_map_submap, b.T_map_submap) &&
          a.misfits == b.misfits;
 }
