@@ -30,9 +30,9 @@ namespace cornerfix::testing {
   return SceneBuilder()
       .room({0, 0}, {16, 9})
       .wall({0, 2}, {1.5, 2})
-      .wall({2.5, 2}, {7, 2})
-      .wall({8, 2}, {13, 2})
-      .wall({14, 2}, {16, 2})
+      .wall({2.5, 2}, {6.5, 2})
+      .wall({7.5, 2}, {12.5, 2})
+      .wall({13.5, 2}, {16, 2})
       .wall({5, 2}, {5, 9})
       .wall({11, 2}, {11, 9})
       .box({3.8, 7.6}, {1.2, 0.8}, 0.2)
@@ -48,7 +48,7 @@ namespace cornerfix::testing {
 [[nodiscard]] inline std::vector<Pose2> drive_through_offices(double step_m = 0.4,
                                                               double turn_rad = 0.35) {
   const Point2 points[] = {{1.0, 1.0}, {2.0, 1.2}, {2.0, 4.5}, {2.0, 1.2},
-                           {7.5, 1.2}, {7.5, 4.0}, {6.2, 7.0}};
+                           {7.0, 1.2}, {7.0, 4.0}, {6.2, 7.0}};
   return route(points, step_m, turn_rad);
 }
 

@@ -70,7 +70,7 @@ struct Moment {
     const bool ahead_is_free = std::ranges::all_of(
         std::vector{-0.5, -0.25, 0.0, 0.25, 0.5},
         [&](double bearing) { return scene.range(pose.translation(), pose.yaw + bearing) > 0.8; });
-    pose = pose * (ahead_is_free ? Pose2{0.25, 0.0, 0.03} : Pose2{0.0, 0.0, 0.3});
+    pose = pose * (ahead_is_free ? Pose2{0.25, 0.0, 0.03} : Pose2{0.0, 0.0, 0.15});
   }
   return poses;
 }

@@ -108,7 +108,7 @@ TEST(PlaceSearch, NoPoseOfALatticeIsBetterThanTheBestPlace) {
     ASSERT_FALSE(places.empty());
     const Point2 offset(0.2 * share(random), 0.2 * share(random));
     double best = -10.0;
-    for (int heading = 0; heading < 180; heading += 4) {
+    for (int heading = 0; heading < 180; heading += 6) {
       for (int column = 0; column < 25; ++column) {
         for (int row = 0; row < 20; ++row) {
           const Pose2 pose{0.2 * column + offset.x(), 0.2 * row + offset.y(),

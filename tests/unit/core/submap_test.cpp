@@ -120,7 +120,7 @@ TEST(Submap, FollowsTheRobotWithOdometryThatIsTenPerCentOff) {
 }
 
 TEST(Submap, FollowsTheRobotWithoutOdometry) {
-  const std::vector<Pose2> slow = testing::drive_through_offices(0.2, 0.15);
+  const std::vector<Pose2> slow = testing::drive_through_offices(0.25, 0.18);
   const Deviation worst =
       deviation_of(testing::drive(testing::offices(), {.has_odometry = false}, slow, 1));
   EXPECT_LT(worst.metres, 0.15);
