@@ -8,6 +8,7 @@
 
 #include <cornerfix/descriptor_matcher.hpp>
 #include <cornerfix/pose_estimator.hpp>
+#include <cornerfix/two_arm_corners.hpp>
 #include <cornerfix/vfp_corners.hpp>
 
 #include "support/random_features.hpp"
@@ -42,6 +43,15 @@ void vfp(benchmark::State& state) {
 }
 BENCHMARK(vfp)
     ->Name("VfpCorners")
+    ->ArgNames({"beams", "mm"})
+    ->ArgsProduct({{360, 1440}, {0, 30, 70}});
+
+void two_arm(benchmark::State& state) {
+  const LaserScan scan = scan_for(state);
+  for (auto _ : state) benchmark::DoNotOptimize(extract_two_arm_corners(scan, {}));
+}
+BENCHMARK(two_arm)
+    ->Name("TwoArmCorners")
     ->ArgNames({"beams", "mm"})
     ->ArgsProduct({{360, 1440}, {0, 30, 70}});
 
