@@ -76,7 +76,8 @@ class Lattice {
 
   /// In `grid`.
   [[nodiscard]] Point2 point(int node) const {
-    return {(node % width_ + 0.5) * spacing_, (node / width_ + 0.5) * spacing_};
+    const int row = node / width_;
+    return {(node % width_ + 0.5) * spacing_, (row + 0.5) * spacing_};
   }
 
   void neighbors(int node, std::vector<Edge>& out) const {

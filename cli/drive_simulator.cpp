@@ -159,6 +159,7 @@ void add_boxes(OccupancyGrid& grid, int count, const std::vector<Pose2>& way, st
   Random random(seed, Cause::kBoxes);
   const Pose2 T_grid_map = inverse(grid.T_map_grid);
   std::vector<Point2> way_grid;
+  way_grid.reserve(way.size());
   for (const Pose2& pose : way) way_grid.push_back(T_grid_map * pose.translation());
 
   const auto random_box = [&] {

@@ -46,7 +46,7 @@ Result<void> write_log(const std::filesystem::path& path, const RecordedLog& log
   if (!writer) return writer.error();
   Progress progress("writing");
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
-    const Result<void> written = writer->write(log.scans[i]);
+    Result<void> written = writer->write(log.scans[i]);
     if (!written) return written;
     progress.update(static_cast<double>(i + 1) / static_cast<double>(log.scans.size()));
   }
