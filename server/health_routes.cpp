@@ -1,3 +1,4 @@
+#include "api/openapi.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 
@@ -12,13 +13,6 @@ Response ready(const Services& services, const Request& request) {
     return error_response(request, Error{ErrorCode::kUnavailable, readable.error().message, ""});
   }
   return json_response(200, R"({"status":"ready"})");
-}
-
-Response openapi(const Services& services) {
-  if (services.openapi->empty()) {
-    return problem_response(404, "not_found", "The description was not installed.");
-  }
-  return json_response(200, *services.openapi);
 }
 
 Response metrics(const Services& services) {
@@ -41,7 +35,9 @@ void add_health_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/openapi.json",
               .access = Access::kPublic,
-              .handler = [services](const Request&) { return openapi(services); }});
+              .handler = [](const Request&) {
+                return json_response(200, std::string(api::openapi_json()));
+              }});
   router.add({.method = "GET",
               .pattern = "/metrics",
               .access = Access::kRead,

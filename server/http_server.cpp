@@ -44,6 +44,7 @@ constexpr std::chrono::seconds kWriteTimeout{5};
 constexpr std::chrono::seconds kBodyDeadline{30};  // For all of it, however steadily it drips.
 constexpr std::chrono::seconds kHeartbeat{5};
 constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
+constexpr const char* kEmptyObject = "{}";
 constexpr std::size_t kMaxDroppedBytes = std::size_t{64} << 20U;
 
 constexpr const char* kContentSecurityPolicy =
@@ -182,11 +183,6 @@ std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std
   return buffer.take();
 }
 
-Result<std::string> openapi_json() {
-  const auto file = find_openapi_file();
-  return file.empty() ? std::string() : yaml_file_as_json(file);
-}
-
 Response unsupported_media_type(const std::string& content_type) {
   std::string detail =
       "Send application/json, application/cbor or application/msgpack, not " + content_type + ".";
@@ -261,9 +257,6 @@ Result<void> HttpServer::Impl::open_services() {
                 if (const auto event = last_answer_event(view())) events->publish(session, *event);
               },
           .idle_time = std::chrono::minutes(config.session_idle_minutes)});
-  auto openapi = openapi_json();
-  if (!openapi) return openapi.error();
-  services.openapi = std::make_shared<const std::string>(std::move(*openapi));
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
   files.mount("vendor/leaflet", config.leaflet_root);
@@ -454,7 +447,7 @@ std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule
   if (rule == BodyRule::kIgnored) return std::nullopt;
   if (exchange.framing.kind == Framing::Kind::kNone) {
     if (rule == BodyRule::kOptionalDocument) {
-      exchange.request.body = "{}";
+      exchange.request.body = kEmptyObject;
       return std::nullopt;
     }
     return problem_response(411, "length_required", "A body with Content-Length is needed.");
@@ -474,6 +467,10 @@ std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule
   if (auto* refusal = std::get_if<Response>(&body)) return std::move(*refusal);
   exchange.request.body_format = *format;
   exchange.request.body = std::move(std::get<std::string>(body));
+  if (rule == BodyRule::kOptionalDocument && exchange.request.body.empty()) {
+    exchange.request.body = kEmptyObject;
+    exchange.request.body_format = api::BodyFormat::kJson;
+  }
   return std::nullopt;
 }
 

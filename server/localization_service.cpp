@@ -94,10 +94,10 @@ struct LocalizationService::Session {
   std::optional<RobotScan> last_scan;
   std::vector<Point2> feature_points;
   std::map<std::string, std::int64_t> ids_by_name;  ///< Of the maps asked for, once seen.
-  bool is_current = false;       ///< False: to be read from the store before use.
-  std::uint64_t epoch = 0;       ///< Of the store when it was last known to be current.
-  std::uint64_t maps_epoch = 0;  ///< Of the store when the localizer's maps were.
-  SteadyClock::time_point last_used;
+  bool is_current = false;            ///< False: to be read from the store before use.
+  std::uint64_t epoch = 0;            ///< Of the store when it was last known to be current.
+  std::uint64_t maps_epoch = 0;       ///< Of the store when the localizer's maps were.
+  SteadyClock::time_point last_used;  ///< Guarded by the table's mutex.
 
   [[nodiscard]] SessionView view() const {
     return {.id = record.id,
@@ -265,17 +265,18 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
     const auto locked = lock(id);
     if (!locked) return locked.error();
     Session& session = **locked;
-    if (request.sequence == session.record.expected_sequence) {
+    const std::uint64_t expected = session.record.expected_sequence;
+    if (request.sequence == expected) {
       auto outcome = take_batch(session, request);
       const bool overtaken = !outcome && outcome.error().code == ErrorCode::kConflict &&
                              !session.is_current && attempt < kMaxAttempts;
       if (overtaken) continue;  // Another process took the batch: answer as the store says.
       return outcome;
     }
-    if (request.sequence + 1 == session.record.expected_sequence) {
+    if (expected > 0 && request.sequence == expected - 1) {
       return BatchOutcome{.answer = session.record.last_answer};
     }
-    return BatchOutcome{.expected_sequence = session.record.expected_sequence};
+    return BatchOutcome{.expected_sequence = expected};
   }
 }
 
@@ -343,10 +344,10 @@ Result<LocalizationService::LockedSession> LocalizationService::lock(const std::
     const std::lock_guard lock(table_mutex_);
     std::shared_ptr<Session>& entry = table_[id];
     if (!entry) entry = std::make_shared<Session>();
+    entry->last_used = now;
     session = entry;
   }
   LockedSession locked(std::move(session));
-  locked->last_used = now;
   locked->record.id = id;
   if (!locked->is_current || locked->epoch != *epoch) {
     if (auto loaded = refresh(*locked); !loaded) {
@@ -444,7 +445,7 @@ void LocalizationService::forget_idle(SteadyClock::time_point now) {
   const std::lock_guard lock(table_mutex_);
   if (now < next_sweep_) return;
   next_sweep_ = now + kSweepInterval;
-  // One in use is held by its user too, and its time must not be read meanwhile.
+  // One in use is held by its user too.
   std::erase_if(table_, [&](const auto& entry) {
     const auto& session = entry.second;
     return session.use_count() == 1 && now - session->last_used > settings_.idle_time;

@@ -37,6 +37,11 @@ std::vector<const PosedScan*> new_scans(std::span<const PosedScan> scans,
   return fresh;
 }
 
+bool is_scan_of(const LaserScan& scan, const api::Lidar& lidar) {
+  return scan.angle_min == lidar.angle_min && scan.angle_increment == lidar.angle_increment &&
+         scan.range_min == lidar.range_min && scan.range_max == lidar.range_max;
+}
+
 Error at_scan(Error error, std::ptrdiff_t index) {
   error.field = "/scans/" + std::to_string(index);
   return error;
@@ -119,6 +124,20 @@ Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& re
 
 Result<void> MapLibrary::remove(std::string_view name) {
   return stores_->with_maps([&](MapStore& maps) { return maps.remove(name); });
+}
+
+Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
+  std::optional<api::Lidar> lidar = api::lidar_from_json(info.lidar_json);
+  if (!lidar || lidar->beams || info.key_frame_count == 0) return lidar;
+  const auto growing = this->growing(info.id);
+  const std::lock_guard lock(growing->mutex);
+  if (auto rebuilt = rebuild(*growing, info); !rebuilt) return rebuilt.error();
+  for (const PosedScan& key_frame : growing->mapper->key_frames()) {
+    if (!is_scan_of(key_frame.scan, *lidar)) continue;
+    lidar->beams = key_frame.scan.ranges.size();
+    break;
+  }
+  return lidar;
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {

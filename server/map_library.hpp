@@ -61,6 +61,10 @@ class MapLibrary {
   [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
   [[nodiscard]] Result<void> remove(std::string_view name);
 
+  /// The lidar of scans that come without one, with the number of beams that the map's first scan
+  /// of it had. Nothing when the map was not given any.
+  [[nodiscard]] Result<std::optional<api::Lidar>> lidar(const storage::MapInfo& info);
+
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const PosedScan> scans);
 

@@ -22,7 +22,6 @@ struct Services {
   std::shared_ptr<EventHub> events;
   std::shared_ptr<Metrics> metrics;
   api::RequestLimits limits;
-  std::shared_ptr<const std::string> openapi;   ///< The API's description as JSON; may be empty.
   std::shared_ptr<std::atomic<bool>> draining;  ///< Set when the server is going down.
 };
 

@@ -1,0 +1,303 @@
+#include "server/localization_service.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <limits>
+#include <thread>
+
+#include "unit/server/service_fixture.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+class LocalizationServiceTest : public ServiceTest {
+ protected:
+  LocalizationServiceTest() { make_map(process_, "office"); }
+
+  std::string create(Process& process, std::vector<std::string> maps = {"office"}) {
+    const LaserScan& scan = drive_.scans[0].scan;
+    api::CreateSessionRequest request;
+    request.robot = "cart-7";
+    request.maps = std::move(maps);
+    request.lidar.angle_min = scan.angle_min;
+    request.lidar.angle_increment = scan.angle_increment;
+    request.lidar.range_min = scan.range_min;
+    request.lidar.range_max = scan.range_max;
+    request.lidar_json = api::lidar_to_json(request.lidar);
+    const auto created = process.localization.create(request);
+    EXPECT_TRUE(created) << created.error().message;
+    return created->id;
+  }
+
+  /// The batch of `count` scans that has `sequence`, when all batches have so many.
+  api::SessionScansRequest batch(std::uint64_t sequence, std::size_t count = 3) const {
+    const auto begin = drive_.scans.begin() + static_cast<std::ptrdiff_t>(sequence * count);
+    return {sequence, {begin, begin + static_cast<std::ptrdiff_t>(count)}};
+  }
+
+  static std::string answer(Process& process, const std::string& id,
+                            const api::SessionScansRequest& request) {
+    const auto outcome = process.localization.post_scans(id, request);
+    EXPECT_TRUE(outcome) << outcome.error().message;
+    if (!outcome) return {};
+    EXPECT_FALSE(outcome->expected_sequence.has_value());
+    return outcome->answer;
+  }
+
+  testing::RobotDrive drive_ = testing::robot_drive();
+  Process process_{file()};
+  LocalizationService& service_ = process_.localization;
+};
+
+TEST_F(LocalizationServiceTest, FindsTheRobot) {
+  const std::string id = create(process_);
+  std::string last;
+  for (std::uint64_t i = 0; i < 10; ++i) last = answer(process_, id, batch(i));
+  EXPECT_THAT(last, HasSubstr("localized in office"));
+  EXPECT_EQ(service_.find(id)->status, Status::kLocalized);
+  EXPECT_EQ(process_.events.scans, 30U);
+  EXPECT_EQ(process_.events.fixes, 1U);
+  EXPECT_EQ(process_.events.lost, 0U);
+}
+
+TEST_F(LocalizationServiceTest, FindsTheRobotInAnyMap) {
+  ASSERT_TRUE(process_.maps->put("empty", {}));
+  const std::string id = create(process_, {});
+  std::string last;
+  for (std::uint64_t i = 0; i < 10; ++i) last = answer(process_, id, batch(i));
+  EXPECT_THAT(last, HasSubstr("localized in office"));
+}
+
+TEST_F(LocalizationServiceTest, TakesANewMapInWhenItSearchesAll) {
+  const std::string id = create(process_, {});
+  for (std::uint64_t i = 0; i < 5; ++i) answer(process_, id, batch(i));
+  ASSERT_TRUE(process_.maps->put("another", {}));
+  std::vector<PosedScan> drive = testing::mapping_drive(7000.0);
+  for (PosedScan& scan : drive) scan.scan.ranges.assign(360, 2.0F);
+  ASSERT_TRUE(process_.maps->grow("another", drive));
+  std::string last;
+  for (std::uint64_t i = 5; i < 10; ++i) last = answer(process_, id, batch(i));
+  EXPECT_THAT(last, HasSubstr("localized in office"));
+}
+
+TEST_F(LocalizationServiceTest, KnowsNoMapOrSessionThatIsNotThere) {
+  api::CreateSessionRequest request;
+  request.robot = "cart-7";
+  request.maps = {"office", "nowhere"};
+  EXPECT_EQ(service_.create(request).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(service_.list()->empty());
+  EXPECT_EQ(service_.find("none").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(service_.head("none").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(service_.reset("none").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(service_.remove("none").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(service_.post_scans("none", batch(0)).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(LocalizationServiceTest, AnswersTheSameBatchWithTheSameBytes) {
+  const std::string id = create(process_);
+  answer(process_, id, batch(0));
+  const std::string first = answer(process_, id, batch(1));
+  EXPECT_EQ(answer(process_, id, batch(1)), first);
+  EXPECT_EQ(process_.events.scans, 6U);
+}
+
+TEST_F(LocalizationServiceTest, SaysWhichSequenceItExpects) {
+  const std::string id = create(process_);
+  answer(process_, id, batch(0));
+  answer(process_, id, batch(1));
+  for (const std::uint64_t wrong : {0U, 3U, 100U}) {
+    auto request = batch(0);
+    request.sequence = wrong;
+    EXPECT_EQ(service_.post_scans(id, request)->expected_sequence, 2U) << wrong;
+  }
+  EXPECT_EQ(service_.find(id)->expected_sequence, 2U);
+}
+
+TEST_F(LocalizationServiceTest, TakesNoHugeSequenceForTheOneBeforeTheFirst) {
+  auto request = batch(0);
+  request.sequence = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(service_.post_scans(create(process_), request)->expected_sequence, 0U);
+}
+
+TEST_F(LocalizationServiceTest, RefusesStampsThatDoNotIncreaseAndChangesNothing) {
+  const std::string id = create(process_);
+  const std::string first = answer(process_, id, batch(0));
+  auto stale = batch(1);
+  stale.scans[0].scan.stamp = drive_.scans[2].scan.stamp;
+  const auto refused = service_.post_scans(id, stale);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/scans/0/stamp");
+  EXPECT_EQ(service_.find(id)->expected_sequence, 1U);
+  EXPECT_EQ(service_.find(id)->last_answer, first);
+}
+
+TEST_F(LocalizationServiceTest, StartsAnewAfterAReset) {
+  const std::string id = create(process_);
+  for (std::uint64_t i = 0; i < 5; ++i) answer(process_, id, batch(i));
+  const auto view = service_.reset(id);
+  ASSERT_TRUE(view);
+  EXPECT_EQ(view->expected_sequence, 5U);
+  EXPECT_EQ(view->status, Status::kCollecting);
+  auto early = batch(0);
+  early.sequence = 5;
+  answer(process_, id, early);  // Its stamps lie before those of the last batch.
+}
+
+TEST_F(LocalizationServiceTest, GoesOnAfterARestartAsIfThereHadBeenNone) {
+  const std::string with = create(process_);
+  const std::string without = create(process_);
+  std::string expected;
+  for (std::uint64_t i = 0; i < 8; ++i) expected = answer(process_, without, batch(i));
+  for (std::uint64_t i = 0; i < 6; ++i) answer(process_, with, batch(i));
+  Process restarted(file());
+  EXPECT_EQ(restarted.localization.find(with)->expected_sequence, 6U);
+  answer(restarted, with, batch(6));
+  const std::string last = answer(restarted, with, batch(7));
+  EXPECT_EQ(last.substr(with.size()), expected.substr(without.size()));
+}
+
+TEST_F(LocalizationServiceTest, KnowsTheNumberOfBeamsAfterARestart) {
+  const std::string id = create(process_);
+  EXPECT_EQ(service_.head(id)->lidar.beams, std::nullopt);
+  answer(process_, id, batch(0));
+  EXPECT_EQ(service_.head(id)->lidar.beams, 360U);
+  EXPECT_EQ(Process(file()).localization.head(id)->lidar.beams, 360U);
+}
+
+TEST_F(LocalizationServiceTest, SharesASessionWithAnotherProcess) {
+  const std::string shared = create(process_);
+  const std::string alone = create(process_);
+  Process other(file());
+  std::string expected;
+  std::string last;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    expected = answer(process_, alone, batch(i));
+    last = answer(i % 2 == 0 ? process_ : other, shared, batch(i));
+  }
+  EXPECT_EQ(last.substr(shared.size()), expected.substr(alone.size()));
+  EXPECT_EQ(answer(process_, shared, batch(7)), last);
+  EXPECT_EQ(answer(other, shared, batch(7)), last);
+}
+
+TEST_F(LocalizationServiceTest, SeesAResetByAnotherProcess) {
+  const std::string id = create(process_);
+  for (std::uint64_t i = 0; i < 5; ++i) answer(process_, id, batch(i));
+  Process other(file());
+  ASSERT_TRUE(other.localization.reset(id));
+  auto early = batch(0);
+  early.sequence = 5;
+  answer(process_, id, early);
+}
+
+TEST_F(LocalizationServiceTest, RefusesABatchWhenItsMapWasDeleted) {
+  const std::string id = create(process_);
+  const std::string first = answer(process_, id, batch(0));
+  ASSERT_TRUE(process_.maps->remove("office"));
+  EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(answer(process_, id, batch(0)), first);
+  make_map(process_, "office");  // Another map of the same name.
+  EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(LocalizationServiceTest, LeavesADeletedMapWhenItSearchesAll) {
+  make_map(process_, "twin");
+  ASSERT_TRUE(process_.maps->remove("twin"));
+  make_map(process_, "spare");
+  const std::string id = create(process_, {});
+  answer(process_, id, batch(0));
+  ASSERT_TRUE(process_.maps->remove("spare"));
+  std::string last;
+  for (std::uint64_t i = 1; i < 10; ++i) last = answer(process_, id, batch(i));
+  EXPECT_THAT(last, HasSubstr("localized in office"));
+}
+
+TEST_F(LocalizationServiceTest, LocalizesInTheNewestRevision) {
+  const std::string id = create(process_);
+  for (std::uint64_t i = 0; i < 8; ++i) answer(process_, id, batch(i));
+  std::vector<api::StampedPose> moved;
+  for (const PosedScan& scan : testing::mapping_drive()) {
+    moved.push_back({scan.scan.stamp, Pose2{0.02, 0.0, 0.0} * scan.T_map_base_link});
+  }
+  ASSERT_TRUE(process_.maps->set_trajectory("office", moved));
+  EXPECT_THAT(answer(process_, id, batch(8)), HasSubstr("localized in office"));
+}
+
+TEST_F(LocalizationServiceTest, AnswersRobotsSideBySide) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 8; ++i) ids.push_back(create(process_));
+  std::vector<std::string> last(ids.size());
+  std::vector<std::thread> threads;
+  for (std::size_t robot = 0; robot < ids.size(); ++robot) {
+    threads.emplace_back([&, robot] {
+      for (std::uint64_t i = 0; i < 8; ++i) last[robot] = answer(process_, ids[robot], batch(i));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t robot = 0; robot < ids.size(); ++robot) {
+    EXPECT_EQ(last[robot].substr(ids[robot].size()), last[0].substr(ids[0].size()));
+  }
+}
+
+TEST_F(LocalizationServiceTest, TakesABatchPostedTwiceAtOnceOnlyOnce) {
+  const std::string id = create(process_);
+  std::vector<std::string> answers(4);
+  std::vector<std::thread> threads;
+  for (std::string& text : answers) {
+    threads.emplace_back([&] { text = answer(process_, id, batch(0)); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(process_.events.scans, 3U);
+  EXPECT_EQ(std::ranges::count(answers, answers[0]), 4);
+}
+
+TEST_F(LocalizationServiceTest, AnswersASingleQuestion) {
+  const api::LocalizeRequest request{drive_.scans, {}};
+  const auto answer = service_.localize("office", request);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_THAT(*answer, HasSubstr("localized in office"));
+  EXPECT_EQ(*service_.localize("office", request), *answer);
+  EXPECT_EQ(service_.localize("nowhere", request).error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(service_.list()->empty());
+}
+
+TEST_F(LocalizationServiceTest, AnswersAQuestionAboutAnEmptyMap) {
+  ASSERT_TRUE(process_.maps->put("empty", {}));
+  const auto answer = service_.localize("empty", {drive_.scans, {}});
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_THAT(*answer, HasSubstr("collecting"));
+}
+
+TEST_F(LocalizationServiceTest, ListsAndForgetsSessions) {
+  const std::string id = create(process_);
+  create(process_);
+  const std::string last = answer(process_, id, batch(0));
+  const auto list = *service_.list();
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list[0].id, id);
+  EXPECT_EQ(list[0].last_answer, last);
+  ASSERT_TRUE(service_.remove(id));
+  EXPECT_EQ(service_.list()->size(), 1U);
+  EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(LocalizationServiceTest, ShowsTheLastScanAndTheSubmapsFeatures) {
+  const std::string id = create(process_);
+  EXPECT_FALSE(service_.find(id)->last_scan);
+  answer(process_, id, batch(0));
+  const auto view = *service_.find(id);
+  ASSERT_TRUE(view.last_scan);
+  EXPECT_EQ(view.last_scan->scan.stamp, drive_.scans[2].scan.stamp);
+  EXPECT_FALSE(view.feature_points.empty());
+}
+
+TEST_F(LocalizationServiceTest, CountsSessionsInMemory) {
+  create(process_);
+  EXPECT_EQ(service_.count_by_status(), (SessionCounts{1, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace cornerfix::server

@@ -1,0 +1,198 @@
+#include "server/map_library.hpp"
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "unit/server/service_fixture.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+class MapLibraryTest : public ServiceTest {
+ protected:
+  std::vector<PosedScan> drive_ = testing::mapping_drive();
+  Process process_{file()};
+  MapLibrary& maps_ = *process_.maps;
+
+  std::span<const PosedScan> part(std::size_t begin, std::size_t count) const {
+    return std::span(drive_).subspan(begin, count);
+  }
+  std::vector<api::StampedPose> trajectory(const Pose2& T) const {
+    std::vector<api::StampedPose> poses;
+    for (const PosedScan& scan : drive_) {
+      poses.push_back({scan.scan.stamp, T * scan.T_map_base_link});
+    }
+    return poses;
+  }
+};
+
+TEST_F(MapLibraryTest, KnowsNoMapThatWasNotPut) {
+  EXPECT_EQ(maps_.grow("office", drive_).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(maps_.load("office").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(maps_.set_trajectory("office", trajectory({})).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(maps_.remove("office").error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(MapLibraryTest, GrowsTheSameInOneBatchAndInMany) {
+  ASSERT_TRUE(maps_.put("one", {}));
+  ASSERT_TRUE(maps_.put("many", {}));
+  ASSERT_TRUE(maps_.grow("one", drive_));
+  for (std::size_t i = 0; i < drive_.size(); i += 5) {
+    ASSERT_TRUE(maps_.grow("many", part(i, std::min<std::size_t>(5, drive_.size() - i))));
+  }
+  EXPECT_EQ(maps_.find("one")->digest, maps_.find("many")->digest);
+  EXPECT_EQ(maps_.find("one")->feature_count, maps_.find("many")->feature_count);
+}
+
+TEST_F(MapLibraryTest, SaysWhatABatchDid) {
+  ASSERT_TRUE(maps_.put("office", {}));
+  const auto report = maps_.grow("office", drive_);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->accepted, drive_.size());
+  EXPECT_EQ(report->duplicates, 0U);
+  EXPECT_GT(report->key_frames, 10U);
+  EXPECT_GT(report->features, 5U);
+  EXPECT_EQ(report->revision, maps_.find("office")->revision);
+}
+
+TEST_F(MapLibraryTest, SkipsWhatItHoldsAlready) {
+  make_map(process_, "office");
+  const auto before = *maps_.find("office");
+  const auto report = maps_.grow("office", drive_);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->accepted, 0U);
+  EXPECT_EQ(report->duplicates, drive_.size());
+  EXPECT_EQ(maps_.find("office")->digest, before.digest);
+  EXPECT_EQ(report->revision, before.revision);
+}
+
+TEST_F(MapLibraryTest, SkipsAStampThatABatchHoldsTwice) {
+  ASSERT_TRUE(maps_.put("office", {}));
+  const std::vector<PosedScan> twice = {drive_[0], drive_[0], drive_[1]};
+  const auto report = maps_.grow("office", twice);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->accepted, 2U);
+  EXPECT_EQ(report->duplicates, 1U);
+}
+
+TEST_F(MapLibraryTest, GoesOnAfterARestart) {
+  ASSERT_TRUE(maps_.put("whole", {}));
+  ASSERT_TRUE(maps_.put("cut", {}));
+  ASSERT_TRUE(maps_.grow("whole", drive_));
+  ASSERT_TRUE(maps_.grow("cut", part(0, 20)));
+  Process restarted(file());
+  ASSERT_TRUE(restarted.maps->grow("cut", part(20, drive_.size() - 20)));
+  EXPECT_EQ(restarted.maps->find("cut")->digest, maps_.find("whole")->digest);
+}
+
+TEST_F(MapLibraryTest, TakesTurnsWithAnotherProcess) {
+  ASSERT_TRUE(maps_.put("alone", {}));
+  ASSERT_TRUE(maps_.put("shared", {}));
+  ASSERT_TRUE(maps_.grow("alone", drive_));
+  Process other(file());
+  for (std::size_t i = 0; i < drive_.size(); i += 4) {
+    MapLibrary& turn = i % 8 == 0 ? maps_ : *other.maps;
+    ASSERT_TRUE(turn.grow("shared", part(i, std::min<std::size_t>(4, drive_.size() - i))));
+  }
+  EXPECT_EQ(maps_.find("shared")->digest, maps_.find("alone")->digest);
+}
+
+TEST_F(MapLibraryTest, TakesBatchesOfThreadsOneAfterTheOther) {
+  ASSERT_TRUE(maps_.put("office", {}));
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < drive_.size(); i += 12) {
+    threads.emplace_back([&, i] { EXPECT_TRUE(maps_.grow("office", part(i, 12))); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(maps_.grow("office", drive_)->duplicates, drive_.size());
+}
+
+TEST_F(MapLibraryTest, KeepsLoadedMapsUntilTheyChange) {
+  make_map(process_, "office");
+  const auto first = *maps_.load("office");
+  EXPECT_EQ(*maps_.load("office"), first);
+  EXPECT_EQ(maps_.cache_use().maps, 1U);
+  EXPECT_GT(maps_.cache_use().bytes, 1000U);
+  ASSERT_TRUE(maps_.set_trajectory("office", trajectory({1.0, 0.0, 0.0})));
+  const auto second = *maps_.load("office");
+  EXPECT_GT(second->revision(), first->revision());
+}
+
+TEST_F(MapLibraryTest, LetsGoOfMapsBeyondItsLimit) {
+  Process small(file(), {.max_map_bytes = 1, .max_mappers = 1});
+  make_map(small, "one");
+  make_map(small, "two");
+  ASSERT_TRUE(small.maps->load("one"));
+  ASSERT_TRUE(small.maps->load("two"));
+  EXPECT_EQ(small.maps->cache_use().maps, 1U);
+}
+
+TEST_F(MapLibraryTest, StoresWhatItMadeForOthers) {
+  make_map(process_, "office");
+  const auto made = *maps_.load("office");
+  Process other(file());
+  const auto read = *other.maps->load("office");
+  EXPECT_EQ(read->revision(), made->revision());
+  EXPECT_EQ(read->grid(), made->grid());
+  EXPECT_EQ(read->features().size(), made->features().size());
+}
+
+TEST_F(MapLibraryTest, MovesKeyFramesToATrajectory) {
+  make_map(process_, "office");
+  const auto before = *maps_.load("office");
+  const Pose2 T{3.0, -1.0, 0.0};
+  const auto moved = maps_.set_trajectory("office", trajectory(T));
+  ASSERT_TRUE(moved) << moved.error().message;
+  EXPECT_GT(moved->revision, before->revision());
+  const auto after = *maps_.load("office");
+  ASSERT_EQ(after->features().size(), before->features().size());
+  EXPECT_NEAR(after->features()[0].position.x(), before->features()[0].position.x() + 3.0, 1e-6);
+}
+
+TEST_F(MapLibraryTest, RefusesATrajectoryWithGaps) {
+  make_map(process_, "office");
+  const auto before = *maps_.find("office");
+  auto poses = trajectory({1.0, 0.0, 0.0});
+  poses.erase(poses.begin() + 10);
+  poses[0].stamp += 0.002;  // Too far from the first key frame.
+  const auto refused = maps_.set_trajectory("office", poses);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/poses");
+  EXPECT_THAT(refused.error().message, HasSubstr("100.000"));
+  EXPECT_THAT(refused.error().message, HasSubstr("102.000"));
+  EXPECT_EQ(maps_.find("office")->digest, before.digest);
+  EXPECT_EQ(maps_.find("office")->revision, before.revision);
+}
+
+TEST_F(MapLibraryTest, TakesStampsWithinAMillisecond) {
+  make_map(process_, "office");
+  auto poses = trajectory({1.0, 0.0, 0.0});
+  for (api::StampedPose& pose : poses) pose.stamp += 0.0009;
+  std::ranges::reverse(poses);
+  EXPECT_TRUE(maps_.set_trajectory("office", poses));
+}
+
+TEST_F(MapLibraryTest, MakesFeaturesAnewWhenParametersChange) {
+  make_map(process_, "office");
+  const auto before = *maps_.load("office");
+  api::PutMapRequest request;
+  request.parameters_json = R"({"min_feature_count": 1})";
+  ASSERT_FALSE(*maps_.put("office", request));
+  const auto after = *maps_.load("office");
+  EXPECT_GT(after->revision(), before->revision());
+  EXPECT_GE(after->features().size(), before->features().size());
+}
+
+TEST_F(MapLibraryTest, ListsByPage) {
+  for (const char* name : {"b", "a", "c"}) ASSERT_TRUE(maps_.put(name, {}));
+  const auto page = *maps_.list("a", 1);
+  ASSERT_EQ(page.size(), 1U);
+  EXPECT_EQ(page[0].name, "b");
+}
+
+}  // namespace
+}  // namespace cornerfix::server

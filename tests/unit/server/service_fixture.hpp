@@ -1,0 +1,70 @@
+/// \file  The services on a database of their own, without a socket and without a clock.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/localization_service.hpp"
+#include "server/map_library.hpp"
+#include "server/store_access.hpp"
+#include "support/room_drive.hpp"
+#include "support/temporary_directory.hpp"
+
+namespace cornerfix::server {
+
+inline const std::string kNow = "2024-05-01T12:00:00Z";
+
+/// What one process would hold. Several may share a file.
+struct Process {
+  explicit Process(const std::filesystem::path& file, MapLibraryLimits limits = {})
+      : stores(StoreAccess::open(file).value()),
+        maps(std::make_shared<MapLibrary>(stores, limits, [] { return kNow; })),
+        localization(stores, maps,
+                     {.render = render,
+                      .now = [] { return kNow; },
+                      .clock_ms = {},
+                      .on_batch =
+                          [this](const std::string&, const BatchEvents& batch, const auto&) {
+                            events.scans += batch.scans;
+                            events.fixes += batch.fixes;
+                            events.lost += batch.lost;
+                          }}) {}
+
+  /// Enough to tell answers apart.
+  static std::string render(const AnswerToRender& answer) {
+    std::string text(answer.session);
+    text += " " + std::to_string(answer.sequence.value_or(99)) + " " +
+            std::string(to_string(answer.answer.status));
+    if (answer.answer.pose) {
+      const Pose2& pose = answer.answer.pose->T_map_base_link;
+      text += " in " + answer.answer.pose->map->name() + " at " + std::to_string(pose.x) + " " +
+              std::to_string(pose.y) + " " + std::to_string(pose.yaw);
+    }
+    return text;
+  }
+
+  std::shared_ptr<StoreAccess> stores;
+  std::shared_ptr<MapLibrary> maps;
+  BatchEvents events;
+  LocalizationService localization;
+};
+
+class ServiceTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path file() const { return directory_ / "test.db"; }
+
+  /// A map of figure7_room().
+  static void make_map(Process& process, const std::string& name) {
+    ASSERT_TRUE(process.maps->put(name, {}));
+    const auto drive = testing::mapping_drive();
+    ASSERT_TRUE(process.maps->grow(name, drive));
+  }
+
+  testing::TemporaryDirectory directory_;
+};
+
+}  // namespace cornerfix::server
