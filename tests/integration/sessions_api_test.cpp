@@ -1,0 +1,223 @@
+// The calls of http-api on sessions, against the real server.
+#include <gmock/gmock.h>
+
+#include "integration/test_server.hpp"
+
+namespace cornerfix {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::Json;
+using testing::Reply;
+
+class SessionsApiTest : public ::testing::Test {
+ protected:
+  SessionsApiTest() { testing::make_room_map(client_, "office"); }
+
+  Reply post(const std::string& id, const Json& batch) {
+    return client_.post("/v1/sessions/" + id + "/scans", batch);
+  }
+  Reply post(const std::string& id, std::uint64_t sequence) {
+    return post(id, testing::session_batch(drive_, sequence));
+  }
+
+  testing::TemporaryDirectory directory_;
+  testing::TestServer server_{directory_ / "test.db"};
+  testing::HttpClient client_{server_.port()};
+  testing::RobotDrive drive_ = testing::robot_drive();
+};
+
+TEST_F(SessionsApiTest, OpensASession) {
+  const Reply reply = client_.post("/v1/sessions", testing::session_request("cart-7", "office"));
+  ASSERT_EQ(reply.status, 201) << reply.body;
+  const std::string id = reply.json()["id"];
+  EXPECT_EQ(reply.header("location"), "/v1/sessions/" + id);
+  EXPECT_EQ(reply.json()["robot"], "cart-7");
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json(), reply.json());
+}
+
+TEST_F(SessionsApiTest, OpensNoneOnAnUnknownMap) {
+  EXPECT_EQ(client_.post("/v1/sessions", testing::session_request("cart-7", "nowhere")).status,
+            404);
+  Json request = testing::session_request("cart-7", nullptr);
+  request["maps"] = {"office", "nowhere"};
+  EXPECT_EQ(client_.post("/v1/sessions", request).status, 404);
+  EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
+}
+
+TEST_F(SessionsApiTest, FindsTheRobot) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Json answer;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const Reply reply = post(id, i);
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    answer = reply.json();
+    EXPECT_EQ(answer["session"], id);
+    EXPECT_EQ(answer["sequence"], i);
+    EXPECT_EQ(answer["pose"].is_null(), answer["status"] != "localized");
+  }
+  ASSERT_EQ(answer["status"], "localized") << answer.dump(1);
+  const Pose2& truth = drive_.T_map_base_link.back();
+  const Json& pose = answer["pose"];
+  EXPECT_EQ(pose["map"], "office");
+  EXPECT_EQ(pose["revision"], client_.get("/v1/maps/office").json()["revision"]);
+  EXPECT_EQ(pose["stamp"], drive_.scans.back().scan.stamp);
+  EXPECT_NEAR(pose["x"], truth.x, 0.1);
+  EXPECT_NEAR(pose["y"], truth.y, 0.1);
+  EXPECT_NEAR(wrap_angle(pose["yaw"].get<double>() - truth.yaw), 0.0, 0.05);
+  EXPECT_EQ(pose["covariance"].size(), 9U);
+  EXPECT_GT(answer["timing_ms"]["total"], 0.0);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json()["status"], "localized");
+}
+
+TEST_F(SessionsApiTest, FindsTheRobotInAnyMap) {
+  const std::string id = testing::open_session(client_, "cart-7", nullptr);
+  for (std::uint64_t i = 0; i < 9; ++i) post(id, i);
+  EXPECT_EQ(post(id, 9).json()["status"], "localized");
+}
+
+TEST_F(SessionsApiTest, AnswersTheSameSequenceWithTheSameBytes) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  post(id, 0);
+  const Reply first = post(id, 1);
+  const Json session = client_.get("/v1/sessions/" + id).json();
+  const Reply again = post(id, 1);
+  EXPECT_EQ(again.status, 200);
+  EXPECT_EQ(again.body, first.body);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json(), session);
+}
+
+TEST_F(SessionsApiTest, SaysWhichSequenceItExpects) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  post(id, 0);
+  post(id, 1);
+  for (const std::uint64_t wrong : {0U, 3U}) {
+    const Reply reply = post(id, wrong);
+    EXPECT_EQ(reply.status, 409);
+    EXPECT_EQ(reply.header("content-type"), "application/problem+json");
+    EXPECT_EQ(reply.json()["expected"], 2);
+  }
+  EXPECT_EQ(post(id, 2).status, 200);
+}
+
+TEST_F(SessionsApiTest, RefusesStampsThatDoNotIncrease) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  post(id, 0);
+  Json batch = testing::session_batch(drive_, 1);
+  batch["scans"][1]["stamp"] = batch["scans"][2]["stamp"];
+  EXPECT_EQ(post(id, batch).status, 422);
+  batch = testing::session_batch(drive_, 1);
+  batch["scans"][0]["stamp"] = drive_.scans[2].scan.stamp;
+  const Reply reply = post(id, batch);
+  EXPECT_EQ(reply.status, 422);
+  EXPECT_EQ(reply.json()["errors"][0]["pointer"], "/scans/0/stamp");
+  EXPECT_EQ(post(id, 1).status, 200);
+}
+
+TEST_F(SessionsApiTest, RefusesAnotherNumberOfBeams) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  post(id, 0);
+  Json batch = testing::session_batch(drive_, 1);
+  batch["scans"][2]["ranges"].push_back(1.0);
+  EXPECT_EQ(post(id, batch).status, 422);
+  for (Json& scan : batch["scans"]) scan["ranges"] = {1.0, 2.0};
+  EXPECT_EQ(post(id, batch).status, 422);
+  EXPECT_EQ(post(id, 1).status, 200);
+}
+
+TEST_F(SessionsApiTest, ForgetsOnReset) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  for (std::uint64_t i = 0; i < 9; ++i) post(id, i);
+  const Reply reset = client_.send("POST", "/v1/sessions/" + id + "/reset", "", "");
+  EXPECT_EQ(reset.status, 200);
+  EXPECT_EQ(reset.json()["status"], "collecting");
+  EXPECT_EQ(reset.json()["expected"], 9);
+  Json early = testing::session_batch(drive_, 0);
+  early["sequence"] = 9;
+  EXPECT_EQ(post(id, early).status, 200);
+}
+
+TEST_F(SessionsApiTest, ResetsWithoutContentLengthAtOnce) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  const std::string reply = testing::exchange_bytes(
+      server_.port(),
+      "POST /v1/sessions/" + id + "/reset HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(reply, ::testing::StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(SessionsApiTest, RefusesABatchWhenTheMapWasDeleted) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  post(id, 0);
+  client_.remove("/v1/maps/office");
+  const Reply reply = post(id, 1);
+  EXPECT_EQ(reply.status, 409);
+  EXPECT_THAT(reply.json()["detail"], HasSubstr("office"));
+}
+
+TEST_F(SessionsApiTest, ListsAndDeletes) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  const std::string other = testing::open_session(client_, "cart-8", "office");
+  const Json last = post(id, 0).json();
+  const Json list = client_.get("/v1/sessions").json()["sessions"];
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list[0]["id"], id);
+  EXPECT_EQ(list[0]["status"], last["status"]);
+  EXPECT_EQ(list[0]["last_answer"]["sequence"], 0);
+  EXPECT_EQ(client_.remove("/v1/sessions/" + id).status, 204);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).status, 404);
+  EXPECT_EQ(client_.remove("/v1/sessions/" + id).status, 404);
+  EXPECT_EQ(post(id, 1).status, 404);
+  EXPECT_EQ(client_.get("/v1/sessions").json()["sessions"].size(), 1U);
+}
+
+TEST_F(SessionsApiTest, ShowsTheLastAnswerWithItsPoints) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  EXPECT_TRUE(client_.get("/v1/sessions/" + id).json()["last_answer"].is_null());
+  post(id, 0);
+  const Json answer = client_.get("/v1/sessions/" + id).json()["last_answer"];
+  EXPECT_EQ(answer["scan_points"].size(), 360U);
+  EXPECT_THAT(answer["feature_points"], ::testing::Not(IsEmpty()));
+}
+
+TEST_F(SessionsApiTest, AnswersASingleQuestion) {
+  Json question = testing::session_batch(drive_, 0, 30);
+  question.erase("sequence");
+  question["lidar"] = testing::lidar_json();
+  const Reply reply = client_.post("/v1/maps/office/localize", question);
+  ASSERT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(reply.json()["status"], "localized");
+  EXPECT_TRUE(reply.json()["session"].is_null());
+  EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
+}
+
+TEST_F(SessionsApiTest, TakesAndGivesCborAndMessagePack) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  const auto cbor = Json::to_cbor(testing::session_batch(drive_, 0));
+  const Reply first =
+      client_.send("POST", "/v1/sessions/" + id + "/scans", std::string(cbor.begin(), cbor.end()),
+                   "application/cbor", {{"Accept", "application/cbor"}});
+  ASSERT_EQ(first.status, 200) << first.body;
+  EXPECT_EQ(first.header("content-type"), "application/cbor");
+  EXPECT_EQ(Json::from_cbor(first.body)["sequence"], 0);
+  const auto packed = Json::to_msgpack(testing::session_batch(drive_, 1));
+  const Reply second = client_.send("POST", "/v1/sessions/" + id + "/scans",
+                                    std::string(packed.begin(), packed.end()),
+                                    "application/msgpack", {{"Accept", "application/msgpack"}});
+  ASSERT_EQ(second.status, 200) << second.body;
+  EXPECT_EQ(Json::from_msgpack(second.body)["sequence"], 1);
+}
+
+TEST_F(SessionsApiTest, TakesALaserScanOfRosbridge) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Json scan = testing::session_batch(drive_, 0)["scans"][0];
+  Json message = testing::lidar_json();
+  message["header"] = {{"stamp", {{"secs", 12}, {"nsecs", 500'000'000}}}, {"frame_id", "laser"}};
+  message["ranges"] = scan["ranges"];
+  message["intensities"] = Json::array();
+  const Reply reply = post(id, Json{{"sequence", 0}, {"scans", {message}}});
+  EXPECT_EQ(reply.status, 200) << reply.body;
+}
+
+}  // namespace
+}  // namespace cornerfix
