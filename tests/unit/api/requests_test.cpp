@@ -324,7 +324,8 @@ TEST(Localize, TakesScansAndOptions) {
 
 TEST(Trajectory, TakesStampedPosesInAnyOrder) {
   const auto request = taken(parse_trajectory(
-      R"({"poses": [{"stamp": 2, "x": 1, "y": 2, "yaw": 7}, {"stamp": 1, "x": 0, "y": 0, "yaw": 0}]})",
+      R"({"poses": [{"stamp": 2, "x": 1, "y": 2, "yaw": 7}, {"stamp": 1, "x": 0, "y": 0,
+          "yaw": 0}]})",
       BodyFormat::kJson));
   ASSERT_EQ(request.poses.size(), 2U);
   EXPECT_EQ(request.poses[0].stamp, 2.0);
