@@ -501,7 +501,7 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
   }
   if (response.body.empty()) return;
   if (!close) {
-    out.set_content(std::move(response.body), response.content_type);
+    out.set_content(response.body, response.content_type);
     return;
   }
   // The library closes a connection whose content provider fails; this one does, once all is said.

@@ -45,7 +45,7 @@ Role role_of(const json& value) {
   if (name == "viewer") return Role::kViewer;
   if (name == "robot") return Role::kRobot;
   if (name == "admin") return Role::kAdmin;
-  throw WrongValue("expected \"viewer\", \"robot\" or \"admin\"");
+  throw WrongValue(R"(expected "viewer", "robot" or "admin")");
 }
 
 Token token_of(const json& value) {

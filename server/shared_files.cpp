@@ -9,7 +9,7 @@ fs::path find_web_root() {
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   if (error) return {};
   const fs::path bin = program.parent_path();
-  const fs::path installed = bin.parent_path() / "share" / "cornerfix" / "web";
+  fs::path installed = bin.parent_path() / "share" / "cornerfix" / "web";
   if (fs::exists(installed, error)) return installed;
   // build/PRESET/bin/PROGRAM, three levels below the source tree.
   const fs::path source = bin.parent_path().parent_path().parent_path() / "web";

@@ -28,7 +28,6 @@ constexpr double kMinRivalWeight = -0.2;    // below this a place is no candidat
 constexpr double kLeastRivalWeight = -0.5;  // taken for the best other place when there is none
 
 // Tracking.
-constexpr double kFitDistance = 0.2;  // a return this near to a wall fits
 constexpr double kMinFitShare = 0.35;
 constexpr double kMaxContradictedShare = 0.4;
 constexpr double kMaxMisfitWay =
@@ -551,8 +550,6 @@ void Localizer::restore(LocalizerState state) {
     fix.score =
         score_evidence(impl_->maps[fix.map]->classes(), impl_->submap.evidence(), fix.T_map_submap);
     impl_->fix = fix;
-    impl_->confidence =
-        impl_->params.acceptance.min_probability;  // what it had at the fix, at least
   } else if (impl_->status == Status::kLocalized) {
     impl_->status = Status::kCollecting;
     impl_->reason = Reason::kNoMatch;

@@ -64,7 +64,7 @@ class Returns {
     Point2 heading(std::cos(scan.angle_min), std::sin(scan.angle_min));
     for (std::size_t beam = 0; beam < beams; ++beam) {
       if (scan.has_return(beam))
-        points_.push_back(static_cast<double>(scan.ranges[beam]) * heading);
+        points_.emplace_back(static_cast<double>(scan.ranges[beam]) * heading);
       heading = {heading.x() * turn.x() - heading.y() * turn.y(),
                  heading.x() * turn.y() + heading.y() * turn.x()};
     }

@@ -58,7 +58,9 @@ TEST_F(ProcessTest, AnswersWhatIsInWorkBeforeItEnds) {
   testing::RawConnection slow(server.port());
   slow.send("POST /v1/sessions/" + id + "/scans HTTP/1.1\r\nHost: a\r\n" +
             "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) +
-            "\r\n\r\n" + body.substr(0, 1000));
+            "\r\nExpect: 100-continue\r\n\r\n");
+  ASSERT_THAT(slow.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));  // now it is in work
+  slow.send(body.substr(0, 1000));
   server.signal(SIGTERM);
   slow.send(body.substr(1000));
   EXPECT_THAT(slow.read_to_end(), StartsWith("HTTP/1.1 200"));
