@@ -21,7 +21,7 @@ import urllib.request
 CHROMIUM = "/usr/bin/chromium"
 CHROMEDRIVER = "/usr/bin/chromedriver"
 SKIPPED = 77
-WAIT_S = 30
+WAIT_S = 60
 
 
 def skip(reason):
@@ -153,6 +153,7 @@ class InspectorTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.directory = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.directory.cleanup)
         directory = pathlib.Path(cls.directory.name)
         cornerfix, floor = cls.arguments.cornerfix, cls.arguments.map
         cls.map_log, cls.robot_log = directory / "map.jsonl.gz", directory / "robot.jsonl.gz"
@@ -162,13 +163,13 @@ class InspectorTest(unittest.TestCase):
         subprocess.run([cornerfix, "simulate", floor, cls.robot_log, "--seed", "1", "--length", "40",
                         "--noise", "0.03"], check=True)
         cls.server = Server(cornerfix, "--db", directory / "maps.db")
+        cls.addClassCleanup(cls.stop_server)
         cls.browser = start_browser()
+        cls.addClassCleanup(cls.browser.quit)
 
     @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
+    def stop_server(cls):
         assert cls.server.stop() == 0, "the server did not end well"
-        cls.directory.cleanup()
 
     def wait_for(self, condition, what):
         return WebDriverWait(self.browser, WAIT_S, poll_frequency=0.1).until(lambda _: condition(), what)
