@@ -1,9 +1,13 @@
+// Robots switched on all over recorded drives of real buildings, where these are at hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <ostream>
 #include <string>
+#include <vector>
 
 #include "cli/evaluation.hpp"
 #include "cli/log_reader.hpp"
