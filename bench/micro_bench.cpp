@@ -6,12 +6,16 @@
 /// pair left out.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+
 #include <cornerfix/descriptor_matcher.hpp>
 #include <cornerfix/pose_estimator.hpp>
+#include <cornerfix/submap.hpp>
 #include <cornerfix/two_arm_corners.hpp>
 #include <cornerfix/vfp_corners.hpp>
 
 #include "support/random_features.hpp"
+#include "support/room_drive.hpp"
 #include "support/scan_simulator.hpp"
 
 namespace cornerfix {
@@ -54,6 +58,34 @@ BENCHMARK(two_arm)
     ->Name("TwoArmCorners")
     ->ArgNames({"beams", "mm"})
     ->ArgsProduct({{360, 1440}, {0, 30, 70}});
+
+/// A scan of 1080 beams laid on the submap of the way that led to it, from an odometry that is off
+/// by some centimetres; the argument is how many of its returns are laid.
+void scan_to_submap(benchmark::State& state) {
+  constexpr double kStep = 0.15;  // 0.24 m along the circle
+  const auto way = testing::circle_in_room(1.6, 0.0, kStep, 41);
+  std::mt19937_64 random(1);
+  const auto scan_at = [&](const Pose2& pose) {
+    return testing::simulate_scan(testing::figure7_room(), {.beams = 1080, .noise_m = 0.02}, pose,
+                                  random);
+  };
+  const Pose2 T_submap_map = inverse(way.front());
+  Submap submap;
+  for (const Pose2& pose : std::span(way).first(way.size() - 1)) {
+    submap.keep({0, scan_at(pose), Pose2{}, T_submap_map * pose}, {});
+  }
+  std::vector<Point2> points = returns_as_points(scan_at(way.back()));
+  std::ranges::shuffle(points, random);
+  points.resize(std::min(points.size(), static_cast<std::size_t>(state.range(0))));
+  const PosePrior prior{T_submap_map * way.back() * Pose2{0.05, -0.03, 0.02}, 0.05, 0.03};
+  for (auto _ : state) benchmark::DoNotOptimize(submap.match(points, prior));
+}
+BENCHMARK(scan_to_submap)
+    ->Name("ScanToSubmap")
+    ->ArgName("points")
+    ->Arg(360)
+    ->Arg(1080)
+    ->Unit(benchmark::kMicrosecond);
 
 void feature_map_insert(benchmark::State& state) {
   std::mt19937_64 random(1);

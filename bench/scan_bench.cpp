@@ -1,0 +1,96 @@
+/// \file  Time of a whole scan, from its ranges to the answer, one thread:
+/// `cornerfix_pipeline_bench --benchmark_filter=Scan`.
+///
+/// Willow Garage is mapped by a simulated drive; robots with 1080 beams, odometry and people about
+/// them are then switched on all along another one. The counters tell processor time a scan while
+/// searching and while tracking [ms], and how many robots were found where they are; the time
+/// column is that of all scans together.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <cornerfix/map_image.hpp>
+
+#include "cli/drive_simulator.hpp"
+#include "cli/evaluation.hpp"
+
+namespace cornerfix::cli {
+namespace {
+
+constexpr std::size_t kBeams = 1080;
+
+template <typename T>
+T value_of(Result<T> result) {
+  if (result) return std::move(*result);
+  std::fprintf(stderr, "scan_bench: %s\n", result.error().message.c_str());
+  std::exit(1);
+}
+
+struct Drives {
+  Evaluation mapped;
+  RecordedLog robot;
+};
+
+Drives simulate_drives() {
+  const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
+  const RecordedLog mapping = value_of(simulate_drive(
+      willow, {.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1}));
+  return {map_from(mapping, mapping.scans.size(), {}),
+          value_of(simulate_drive(willow,
+                                  {.beams = kBeams, .people = 3, .length_m = 200.0, .seed = 2}))};
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, nth);
+  return *nth;
+}
+
+void count_times(benchmark::State& state, const std::string& name,
+                 const std::vector<double>& times_ms) {
+  state.counters[name + "_scans"] = static_cast<double>(times_ms.size());
+  state.counters[name + "_p50_ms"] = percentile(times_ms, 0.50);
+  state.counters[name + "_p95_ms"] = percentile(times_ms, 0.95);
+}
+
+void scan(benchmark::State& state, Method method) {
+  static const Drives drives = simulate_drives();
+  EvaluationOptions options;
+  options.starts = 50;
+  options.batch = 1;
+  options.localizer.method = method;
+  std::vector<StartRecord> records;
+  for (auto _ : state) {
+    records = evaluate(drives.robot, 0, {drives.mapped.map}, 0, drives.mapped.mapping_positions,
+                       options, nullptr);
+  }
+  std::vector<double> searching_ms;
+  std::vector<double> tracking_ms;
+  for (const StartRecord& record : records) {
+    searching_ms.insert(searching_ms.end(), record.searching_ms.begin(), record.searching_ms.end());
+    tracking_ms.insert(tracking_ms.end(), record.tracking_ms.begin(), record.tracking_ms.end());
+  }
+  state.counters["robots"] = static_cast<double>(records.size());
+  state.counters["found"] =
+      static_cast<double>(std::ranges::count(records, Verdict::kFixed, &StartRecord::verdict));
+  count_times(state, "search", searching_ms);
+  count_times(state, "track", tracking_ms);
+}
+BENCHMARK_CAPTURE(scan, indexed, Method::kIndexed)
+    ->Name("Scan/indexed")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(scan, rma, Method::kRma)
+    ->Name("Scan/rma")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace cornerfix::cli
