@@ -28,6 +28,9 @@ using server::ServerFlags;
 
 /// Robots of a whole fleet run on many threads; more heaps than this only cost memory.
 constexpr int kMaxHeaps = 4;
+/// Buffers from this size on go back to the system as soon as they are let go. By default the C
+/// library keeps ever larger ones, and what a large map needed while it was loaded would stay.
+constexpr int kMappedBufferBytes = 1 << 20;
 /// A client that neither sends nor reads cannot keep the server from going down.
 constexpr std::chrono::seconds kDrainTime{20};
 
@@ -88,6 +91,7 @@ class StopSignals {
 
 int serve(const ServerConfig& config) {
   mallopt(M_ARENA_MAX, kMaxHeaps);
+  mallopt(M_MMAP_THRESHOLD, kMappedBufferBytes);
   spdlog::set_default_logger(spdlog::stderr_logger_mt("cornerfix"));
   StopSignals signals;
   auto started = HttpServer::start(config);
