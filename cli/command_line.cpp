@@ -12,6 +12,7 @@ int run_command_line(int argc, const char* const* argv) {
   app.name("cornerfix");
   app.require_subcommand(1);
   app.fallthrough(false);
+  app.set_version_flag("--version", "cornerfix " CORNERFIX_VERSION, "Print the version and exit");
   app.footer("Exit codes: 0 done, 1 it could not, 2 wrong use.");
   int exit_code = kDone;
   add_map_command(app, exit_code);
@@ -22,7 +23,7 @@ int run_command_line(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kWrongUse;  // --help comes here too.
+    return app.exit(error) == 0 ? kDone : kWrongUse;  // --help and --version, too.
   } catch (const std::exception& error) {
     // No memory left, or an answer of a shape that no Cornerfix server gives.
     return fail({ErrorCode::kInternal, error.what(), ""});

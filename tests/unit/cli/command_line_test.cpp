@@ -94,6 +94,12 @@ TEST_F(CommandLine, EndsHelpWithZero) {
   }
 }
 
+TEST_F(CommandLine, TellsItsVersion) {
+  const Outcome outcome = run({"--version"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out, "cornerfix " CORNERFIX_VERSION "\n");
+}
+
 TEST_F(CommandLine, EndsWithOneWhatItCouldNotDo) {
   const std::string map = directory_.write("map.yaml", "resolution: 1").string();
   const Outcome outcome = run({"simulate", map.c_str(), "out.jsonl"});
