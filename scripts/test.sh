@@ -28,8 +28,8 @@ step build cmake --build --preset ci
 step format check_format
 step style check_style
 
-# On a machine that has all of the above no test has a reason to skip the browser.
-export CORNERFIX_REQUIRE_BROWSER=1
+# On a machine that has all of the above no test has a reason to be skipped.
+export CORNERFIX_REQUIRE_TOOLS=1
 logs=$(dirname "$PWD")/shared/data
 [[ -d $logs ]] || echo "no recorded logs at ../shared/data: the tests on them will be skipped"
 step tests ctest --preset ci -j "$(nproc)"

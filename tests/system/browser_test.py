@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A browser watches a robot become localized: the real server, a simulated drive, headless Chromium.
 
-Exits with 77 where the browser or its driver is missing, unless CORNERFIX_REQUIRE_BROWSER is set.
+Exits with 77 where the browser or its driver is missing, unless CORNERFIX_REQUIRE_TOOLS is set.
 """
 import argparse
 import gzip
@@ -25,7 +25,7 @@ WAIT_S = 60
 
 
 def skip(reason):
-    if os.environ.get("CORNERFIX_REQUIRE_BROWSER"):
+    if os.environ.get("CORNERFIX_REQUIRE_TOOLS"):
         sys.exit(f"FAILED: {reason}")
     print(f"SKIPPED: the inspector was not tested: {reason}", file=sys.stderr)
     sys.exit(SKIPPED)
