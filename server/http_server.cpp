@@ -19,6 +19,7 @@
 #include "api/json_codec.hpp"
 #include "server/access.hpp"
 #include "server/body_buffer.hpp"
+#include "server/connection.hpp"
 #include "server/event_hub.hpp"
 #include "server/http_message.hpp"
 #include "server/media_types.hpp"
@@ -60,6 +61,21 @@ class PoolQueue final : public httplib::TaskQueue {
 
  private:
   WorkerPool pool_;
+};
+
+/// The library's server, on our connections.
+class ConnectionServer final : public httplib::Server {
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    Connection connection(
+        socket, {std::chrono::seconds(keep_alive_timeout_sec_), kReadTimeout, kWriteTimeout});
+    bool was_answered = true;
+    bool is_closing = false;
+    while (was_answered && !is_closing && connection.wait_for_request()) {
+      was_answered = process_request(connection.stream(), false, is_closing, nullptr);
+    }
+    return was_answered;
+  }
 };
 
 std::string now_text() {
@@ -207,7 +223,7 @@ struct HttpServer::Impl {
   std::atomic<std::size_t> in_work{0};
   int listen_fd = -1;
   int port = 0;
-  httplib::Server http;
+  ConnectionServer http;
 
   Result<void> open_services();
   Result<void> bind();
@@ -270,8 +286,6 @@ void HttpServer::Impl::set_up_http() {
   http.set_tcp_nodelay(true);
   http.set_keep_alive_max_count(kKeepAliveRequests);
   http.set_keep_alive_timeout(config.keep_alive_timeout_s);
-  http.set_read_timeout(kReadTimeout);
-  http.set_write_timeout(kWriteTimeout);
   http.set_socket_options([this](socket_t socket) {
     // Not SO_REUSEPORT: two servers would share the port and split the robots between them.
     const int on = 1;

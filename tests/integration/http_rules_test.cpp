@@ -198,6 +198,15 @@ TEST_F(HttpRulesTest, KeepsTheConnectionAfterAnError) {
   EXPECT_THAT(connection.read_until("}"), StartsWith("HTTP/1.1 200"));
 }
 
+TEST_F(HttpRulesTest, AnswersRequestsThatWereSentTogether) {
+  const std::string answers =
+      exchange_bytes(server_.port(),
+                     "GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n"
+                     "GET /v1/none HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(answers, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(answers, HasSubstr("HTTP/1.1 404"));
+}
+
 TEST_F(HttpRulesTest, RefusesWhatIsNoHttpWithAProblem) {
   const std::string answer = exchange_bytes(server_.port(), "HELLO\r\n\r\n");
   EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 400"), HasSubstr("application/problem+json")));
