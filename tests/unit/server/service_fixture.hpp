@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,7 @@ struct Process {
                       .clock_ms = {},
                       .on_batch =
                           [this](const std::string&, const BatchEvents& batch, const auto&) {
+                            const std::lock_guard lock(events_mutex);
                             events.scans += batch.scans;
                             events.fixes += batch.fixes;
                             events.lost += batch.lost;
@@ -49,6 +51,7 @@ struct Process {
 
   std::shared_ptr<StoreAccess> stores;
   std::shared_ptr<MapLibrary> maps;
+  std::mutex events_mutex;  ///< Batches of several sessions come at once.
   BatchEvents events;
   LocalizationService localization;
 };
