@@ -25,7 +25,8 @@ void WorkerPool::enqueue(std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
     jobs_.push_back({std::move(job), Clock::now() + queue_timeout_});
-    if (jobs_.size() > idle_ && workers_.size() < max_threads_) {
+    const std::size_t free = workers_.size() - busy_;
+    if (jobs_.size() > free && workers_.size() < max_threads_) {
       workers_.emplace_back([this] { work(); });
     }
   }
@@ -50,15 +51,16 @@ bool WorkerPool::is_shedding() { return shedding(); }
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    ++idle_;
     job_added_.wait(lock, [this] { return closing_ || !jobs_.empty(); });
-    --idle_;
     if (jobs_.empty()) return;
     const auto job = std::move(jobs_.front().run);
     jobs_.pop_front();
+    ++busy_;
+    if (is_overfull()) job_added_.notify_all();  // The spare threads watch from now on.
     lock.unlock();
     job();
     lock.lock();
+    --busy_;
   }
 }
 
@@ -66,7 +68,7 @@ void WorkerPool::shed() {
   shedding() = true;
   std::unique_lock lock(mutex_);
   for (;;) {
-    job_added_.wait(lock, [this] { return closing_ || !jobs_.empty(); });
+    job_added_.wait(lock, [this] { return closing_ || is_overfull(); });
     if (closing_) return;
     const Clock::time_point due = jobs_.front().due;
     if (Clock::now() < due) {

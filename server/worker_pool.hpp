@@ -39,13 +39,15 @@ class WorkerPool {
 
   void work();
   void shed();
+  /// Whether a job waits that no thread is free for. With the mutex held.
+  [[nodiscard]] bool is_overfull() const { return !jobs_.empty() && busy_ == max_threads_; }
 
   const std::size_t max_threads_;
   const std::chrono::milliseconds queue_timeout_;
   std::mutex mutex_;
   std::condition_variable job_added_;
   std::deque<Job> jobs_;
-  std::size_t idle_ = 0;
+  std::size_t busy_ = 0;  ///< Workers with a job.
   bool closing_ = false;
   std::vector<std::thread> workers_;
   std::vector<std::thread> spare_;

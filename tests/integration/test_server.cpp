@@ -133,7 +133,7 @@ void make_room_map(HttpClient& client, const std::string& name) {
 std::string open_session(HttpClient& client, const std::string& robot, const Json& map) {
   const Reply reply = client.post("/v1/sessions", session_request(robot, map));
   EXPECT_EQ(reply.status, 201) << reply.body;
-  return reply.json()["id"];
+  return reply.json().value("id", "");
 }
 
 }  // namespace cornerfix::testing
