@@ -167,9 +167,9 @@ TEST_F(MapsApiTest, MovesTheMapToATrajectory) {
   ASSERT_EQ(moved.status, 200) << moved.body;
   EXPECT_EQ(entry("office")["revision"], before["revision"].get<int>() + 1);
   EXPECT_NE(entry("office")["digest"], before["digest"]);
-  for (const Json& feature : client_.get("/v1/maps/office/features").json()["features"]) {
-    EXPECT_GT(feature["x"], 9.0);
-  }
+  const Json features = client_.get("/v1/maps/office/features").json()["features"];
+  EXPECT_THAT(features, Not(IsEmpty()));
+  for (const Json& feature : features) EXPECT_GT(feature["x"], 9.0);
 }
 
 TEST_F(MapsApiTest, RefusesATrajectoryThatLeavesKeyFramesOut) {

@@ -35,7 +35,6 @@ TestServer::TestServer(const std::filesystem::path& database, server::ServerConf
   spdlog::set_level(spdlog::level::off);
   config.database = database;
   config.port = 0;
-  config.keep_alive_timeout_s = 1;
   auto started = server::HttpServer::start(config);
   if (!started) throw std::runtime_error(started.error().message);
   server_ = std::move(*started);
