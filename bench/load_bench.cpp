@@ -4,7 +4,8 @@
 /// switches robots on one after the other: each on a connection of its own that is kept, each
 /// posting a scan of 1080 beams five times a second on a fixed schedule, whether or not the answers
 /// come in time. A robot misses when an answer is an error or comes after its next scan is due.
-/// Latency counts from when a scan was due. Exit code 1 when a robot has missed once all are on.
+/// Latency counts from when a scan was due. Exit code 1 when a robot has missed once all are on and
+/// the last of them has had two seconds to search the map.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -43,6 +44,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 constexpr std::size_t kBeams = 1080;
 constexpr std::size_t kMappingBatch = 50;
+constexpr std::chrono::seconds kSettling{2};  ///< The last ones to come search the map meanwhile.
 constexpr const char* kMap = "/v1/maps/load-bench";
 
 struct LoadOptions {
@@ -251,7 +253,7 @@ FleetReport run_fleet(const LoadOptions& options, const FleetDrive& fleet,
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / options.scans_per_s));
   const auto ramp = std::chrono::duration_cast<Clock::duration>(Seconds(options.ramp_s));
   const auto start = Clock::now();
-  const auto steady = start + ramp + period;
+  const auto steady = start + ramp + period + kSettling;
   const auto end = steady + std::chrono::duration_cast<Clock::duration>(Seconds(options.seconds));
   std::vector<Robot> robots(options.robots);
   std::vector<std::thread> threads;
@@ -287,7 +289,9 @@ int run(LoadOptions options) {
   make_map(client);
   tell_memory("with the map");
   const auto scans_a_robot =
-      static_cast<std::size_t>((options.ramp_s + options.seconds) * options.scans_per_s) + 4;
+      static_cast<std::size_t>((options.ramp_s + Seconds(kSettling).count() + options.seconds) *
+                               options.scans_per_s) +
+      4;
   const FleetDrive fleet = fleet_drive(scans_a_robot + 10 * options.robots);
   const auto [all, processor_ms] =
       run_fleet(options, fleet, scans_a_robot, server ? &*server : nullptr);
