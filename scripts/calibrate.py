@@ -1,20 +1,31 @@
 #!/usr/bin/env python3
 """Learns what evidence weighs and how sure it makes, from the samples of `cornerfix evaluate --samples`.
 
-Prints the two weight tables and the coefficients of the logistic for core's evidence_model, and for each building how the
-numbers learnt from all others do on it. See docs/algorithm.md. Needs numpy.
+Prints the table of weights that these samples give, the coefficients of the logistic for the table that core's
+evidence_model holds, and for each building how the numbers learnt from all others do on it. See docs/algorithm.md.
+Needs numpy.
 """
 import collections
 import csv
+import pathlib
+import re
 import sys
 
 import numpy as np
 
-END_CLASSES, PASS_CLASSES = 12, 4
+END_CLASSES, PASS_CLASSES = 14, 4
+MATCHED = slice(0, 3)  # ends within 0.15 m of a wall
 CONTRADICTED = slice(5, 8)  # ends in known-free space, more than 0.3 m from a wall
-ON_WALL = 0
-LEAST_RIVAL, RIVAL_MARGIN = -0.5, 1.0  # nats an end, as in core's localizer
-PROBABILITIES = (0.97, 0.98, 0.985, 0.99, 0.995)
+UNKNOWN = slice(8, 12)  # unmapped
+HIDDEN = slice(12, 14)
+UNKNOWN_PASSED = 3
+UNSEEN = -0.1  # What the map does not know says nothing; a trace keeps the search out of it.
+RARE = 0.002
+LEAST_RIVAL, RIVAL_MARGIN = -0.5, 0.5  # nats an end, as in core's localizer
+MIN_GAP, MIN_MEAN_GAP = 10, 0.08  # as in AcceptanceParams
+PLAUSIBLE = 0.5  # share of matched ends from which a wrong pose is a rival
+PROBABILITIES = (0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
+HEADER = pathlib.Path(__file__).parent.parent / "core/include/cornerfix/evidence_model.hpp"
 
 
 class Samples:
@@ -36,33 +47,44 @@ def shares(counts):
 
 
 def learn_weights(samples, chosen):
-    """ln(P(class | true pose) / P(class | best wrong pose)), each sample weighing the same."""
+    """ln(P(class | true pose) / P(class | plausible wrong pose)), each sample weighing the same."""
+    right = samples.right[chosen] == 1
+    plausible = {place: shares(samples.ends[place][chosen])[:, MATCHED].sum(axis=1) >= PLAUSIBLE
+                 for place in ("best", "second")}
 
     def weights(counts):
-        right = samples.right[chosen] == 1
         best, second = shares(counts["best"][chosen]), shares(counts["second"][chosen])
         true = best[right].sum(axis=0)
-        wrong = second[right].sum(axis=0) + best[~right].sum(axis=0)
-        rare = 0.002
-        return np.log((true / true.sum() + rare) / (wrong / wrong.sum() + rare))
+        wrong = second[right & plausible["second"]].sum(axis=0) + best[~right & plausible["best"]].sum(axis=0)
+        return np.log((true / true.sum() + RARE) / (wrong / wrong.sum() + RARE))
 
-    return weights(samples.ends), weights(samples.passes)
+    ends, passes = weights(samples.ends), weights(samples.passes)
+    for cells in (UNKNOWN, HIDDEN):
+        ends[cells] = np.minimum(ends[cells], UNSEEN)
+    passes[UNKNOWN_PASSED] = min(passes[UNKNOWN_PASSED], UNSEEN)
+    return ends, passes
+
+
+def weights_in_core():
+    table = re.search(r"kRivalWeights\{(.*?)\}\};", HEADER.read_text(), re.DOTALL).group(1)
+    values = [float(value) for value in re.findall(r"(-?[\d.]+)F", table)]
+    return np.array(values[:END_CLASSES]), np.array(values[END_CLASSES:])
 
 
 def features(samples, chosen, weights):
+    """The terms of the logistic, and which samples may be accepted at all."""
     ends, passes = weights
-    score = {place: samples.ends[place][chosen] @ ends + samples.passes[place][chosen] @ passes
-             for place in ("best", "second")}
+    best, second = (samples.ends[place][chosen] @ ends + samples.passes[place][chosen] @ passes
+                    for place in ("best", "second"))
     count = samples.ends["best"][chosen].sum(axis=1)
-    best = score["best"]
-    second = np.where(samples.ends["second"][chosen].sum(axis=1) > 0, score["second"], -np.inf)
+    second = np.where(samples.ends["second"][chosen].sum(axis=1) > 0, second, -np.inf)
     floor = np.maximum(LEAST_RIVAL * count, best - RIVAL_MARGIN * count)
     gap = np.maximum(0, best - np.maximum(second, floor))
-    contradicted = samples.ends["best"][chosen][:, CONTRADICTED].sum(axis=1) / count
-    passed = samples.passes["best"][chosen]
-    blocked = passed[:, ON_WALL] / np.maximum(1, passed.sum(axis=1))
-    return np.column_stack([np.ones(len(gap)), np.sqrt(gap), np.sqrt(gap / count), np.minimum(best / count, 1),
-                            np.log(contradicted + 0.02), np.log(blocked + 0.02)])
+    contradicted, unmapped = (samples.ends["best"][chosen][:, cells].sum(axis=1) / count
+                              for cells in (CONTRADICTED, UNKNOWN))
+    x = np.column_stack([np.ones(len(gap)), np.sqrt(gap), np.sqrt(gap / count), np.log(contradicted + 0.02),
+                         np.log(1.02 - unmapped)])
+    return x, (gap >= MIN_GAP) & (gap >= MIN_MEAN_GAP * count)
 
 
 def fit_logistic(x, y, importance):
@@ -83,12 +105,18 @@ def probability(x, coefficients):
     return 1 / (1 + np.exp(-np.clip(x @ coefficients, -30, 30)))
 
 
-def learn(samples, chosen):
-    weights = learn_weights(samples, chosen)
-    buildings = samples.building[chosen]
+def learn_decision(samples, chosen, weights):
+    """Over the samples that may be accepted, each building weighing the same."""
+    x, distinct = features(samples, chosen, weights)
+    buildings = samples.building[chosen][distinct]
     size = collections.Counter(buildings)
-    importance = np.array([len(chosen) / len(size) / size[name] for name in buildings])
-    return weights, fit_logistic(features(samples, chosen, weights), samples.right[chosen], importance)
+    importance = np.array([len(buildings) / len(size) / size[name] for name in buildings])
+    return fit_logistic(x[distinct], samples.right[chosen][distinct], importance)
+
+
+def decide(samples, chosen, weights, coefficients):
+    x, distinct = features(samples, chosen, weights)
+    return np.where(distinct, probability(x, coefficients), 0)
 
 
 def calibration_error(p, right, bins=10):
@@ -97,11 +125,22 @@ def calibration_error(p, right, bins=10):
 
 
 def report(name, p, right):
+    distinct = p > 0
     cells = []
     for least in PROBABILITIES:
         taken = p >= least
         cells.append(f"{least}: {right[taken].sum()}/{right.sum()} right, {(1 - right)[taken].sum()} wrong")
-    print(f"{name}: {len(p)} samples, ECE {calibration_error(p, right):.3f}; at p >= " + "; ".join(cells))
+    error = calibration_error(p[distinct], right[distinct])
+    print(f"{name}: {len(p)} samples, {distinct.sum()} distinct, ECE {error:.3f}; at p >= " + "; ".join(cells))
+
+
+def curve(p, right):
+    print("said, happened, samples:")
+    edges = (0.0001, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 1.0001)
+    for low, high in zip(edges, edges[1:]):
+        here = (p >= low) & (p < high)
+        if here.any():
+            print(f"  {p[here].mean():.3f}, {right[here].mean():.3f}, {here.sum()}")
 
 
 def main():
@@ -110,16 +149,18 @@ def main():
     print("left out:")
     held_out = np.zeros(len(everything))
     for building in sorted(set(samples.building)):
-        test = everything[samples.building == building]
-        weights, coefficients = learn(samples, everything[samples.building != building])
-        held_out[test] = probability(features(samples, test, weights), coefficients)
+        rest, test = everything[samples.building != building], everything[samples.building == building]
+        weights = learn_weights(samples, rest)
+        held_out[test] = decide(samples, test, weights, learn_decision(samples, rest, weights))
         report(building, held_out[test], samples.right[test])
     report("pooled", held_out, samples.right)
-    weights, coefficients = learn(samples, everything)
-    report("all, learnt on all", probability(features(samples, everything, weights), coefficients), samples.right)
-    print("kEndWeights", weights[0].round(2).tolist())
-    print("kPassWeights", weights[1].round(2).tolist())
-    print("logistic", coefficients.round(3).tolist())
+    curve(held_out, samples.right)
+    weights = weights_in_core()
+    coefficients = learn_decision(samples, everything, weights)
+    report("all, with core's weights", decide(samples, everything, weights, coefficients), samples.right)
+    learnt = learn_weights(samples, everything)
+    print("kRivalWeights, from these samples", learnt[0].round(2).tolist(), learnt[1].round(2).tolist())
+    print("logistic, with core's weights", coefficients.round(3).tolist())
 
 
 if __name__ == "__main__":

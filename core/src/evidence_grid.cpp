@@ -54,6 +54,10 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
         cell->ends = static_cast<std::int16_t>(cell->ends + sign);
         cell->sum_x += static_cast<float>(sign) * static_cast<float>(end.x() - std::floor(end.x()));
         cell->sum_y += static_cast<float>(sign) * static_cast<float>(end.y() - std::floor(end.y()));
+        if (sign > 0) {
+          cell->origin_x = static_cast<float>(T_submap_laser.x);
+          cell->origin_y = static_cast<float>(T_submap_laser.y);
+        }
       }
     }
     // A beam that ends in a wall did not pass its surface.
@@ -78,6 +82,7 @@ Evidence EvidenceGrid::collect() const {
       const Point2 mean{static_cast<double>(cell.sum_x) / cell.ends,
                         static_cast<double>(cell.sum_y) / cell.ends};
       evidence.ends.emplace_back(corner + params_.resolution_m * mean);
+      evidence.origins.emplace_back(cell.origin_x, cell.origin_y);
     } else if (cell.passes > 0 && column % 2 == 0 && row % 2 == 0) {
       evidence.free.emplace_back(corner + params_.resolution_m * Point2{0.5, 0.5});
     }

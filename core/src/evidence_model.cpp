@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace cornerfix {
 namespace {
@@ -24,32 +25,31 @@ PassClass pass_class_of(double distance_m, Cell cell) {
   return cell == Cell::kFree ? PassClass::kFree : PassClass::kUnknown;
 }
 
-/// Classes 2 and below are within 0.15 m of a wall.
-constexpr std::size_t kLastMatchedClass = 2;
-/// Known-free classes beyond 0.3 m.
-constexpr std::size_t kFirstContradictedClass = kNearLimits.size() + 1;
-constexpr std::size_t kLastContradictedClass = kNearLimits.size() + kFarLimits.size() - 1;
+// Ranges of classes, the last one not included.
+constexpr std::size_t kEndOfMatched = 3;  // within 0.15 m of a wall
+constexpr std::size_t kFirstContradicted = kNearLimits.size() + 1;
+constexpr std::size_t kFirstUnmapped = kNearLimits.size() + kFarLimits.size();
+
+double share(const EvidenceScore& score, std::size_t first, std::size_t end) {
+  const auto counts = score.end_counts.begin();
+  const int count = std::accumulate(counts + static_cast<std::ptrdiff_t>(first),
+                                    counts + static_cast<std::ptrdiff_t>(end), 0);
+  return static_cast<double>(count) / std::max(1, score.ends);
+}
 
 void summarise(EvidenceScore& score) {
-  int matched = 0;
-  int contradicted = 0;
   for (std::size_t i = 0; i < kEndClasses; ++i) {
-    const int count = score.end_counts[i];
-    score.ends += count;
-    score.log_likelihood += static_cast<double>(kEndWeights[i]) * count;
-    if (i <= kLastMatchedClass) matched += count;
-    if (i >= kFirstContradictedClass && i <= kLastContradictedClass) contradicted += count;
+    score.ends += score.end_counts[i];
+    score.fit += static_cast<double>(kSearchWeights.ends[i]) * score.end_counts[i];
+    score.log_likelihood += static_cast<double>(kRivalWeights.ends[i]) * score.end_counts[i];
   }
-  int passes = 0;
   for (std::size_t i = 0; i < kPassClasses; ++i) {
-    passes += score.pass_counts[i];
-    score.log_likelihood += static_cast<double>(kPassWeights[i]) * score.pass_counts[i];
+    score.fit += static_cast<double>(kSearchWeights.passes[i]) * score.pass_counts[i];
+    score.log_likelihood += static_cast<double>(kRivalWeights.passes[i]) * score.pass_counts[i];
   }
-  const double ends = std::max(1.0, static_cast<double>(score.ends));
-  score.matched = matched / ends;
-  score.contradicted = contradicted / ends;
-  score.blocked = score.pass_counts[static_cast<std::size_t>(PassClass::kOnWall)] /
-                  std::max(1.0, static_cast<double>(passes));
+  score.matched = share(score, 0, kEndOfMatched);
+  score.contradicted = share(score, kFirstContradicted, kFirstUnmapped);
+  score.unmapped = share(score, kFirstUnmapped, kFieldClasses);
 }
 
 }  // namespace
@@ -67,6 +67,27 @@ ClassField::ClassField(const OccupancyGrid& grid, const DistanceField& field)
   }
 }
 
+bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) const {
+  // A place of a class is at least this far from a wall [m].
+  constexpr std::array<double, kFieldClasses> kClearance{0.0, 0.05, 0.10, 0.15, 0.20, 0.30,
+                                                         0.5, 1.0,  0.20, 0.30, 0.5,  1.0};
+  constexpr double kClear = 0.20;
+  const double length = (to_cells - from_cells).norm();
+  const Point2 direction = (to_cells - from_cells) / std::max(length, 1e-9);
+  bool crossed = false;
+  for (double along = 0.0; along < length;) {
+    const Point2 p = from_cells + along * direction;
+    const auto column = static_cast<int>(std::floor(p.x()));
+    const auto row = static_cast<int>(std::floor(p.y()));
+    const std::uint8_t here = at(column, row);
+    const double clearance = kClearance[here & 15U];
+    if (crossed && clearance >= kClear) return true;
+    crossed = crossed || (here >> 4U) == static_cast<std::size_t>(PassClass::kOnWall);
+    along += std::max(0.7, clearance / resolution_);
+  }
+  return false;
+}
+
 EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
                              const Pose2& T_map_evidence) {
   const Pose2 T = classes.T_grid_map() * T_map_evidence;
@@ -82,21 +103,50 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
     return static_cast<int>(std::floor(y + s * p.x() + c * p.y()));
   };
   EvidenceScore score;
-  for (const Point2& p : evidence.ends)
-    ++score.end_counts[classes.end_class(column_of(p), row_of(p))];
+  const auto in_cells = [&](const Point2& p) {
+    return Point2{x + c * p.x() - s * p.y(), y + s * p.x() + c * p.y()};
+  };
+  for (std::size_t i = 0; i < evidence.ends.size(); ++i) {
+    const Point2& p = evidence.ends[i];
+    std::size_t end_class = classes.end_class(column_of(p), row_of(p));
+    if (!evidence.origins.empty() &&
+        classes.wall_between(in_cells(evidence.origins[i]), in_cells(p)))
+      end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
+    ++score.end_counts[end_class];
+  }
   for (const Point2& p : evidence.free)
     ++score.pass_counts[classes.pass_class(column_of(p), row_of(p))];
   summarise(score);
   return score;
 }
 
+namespace {
+
+/// The logistic: offset + slope * sqrt(gap).
+struct GapLogistic {
+  double offset = 0.0;
+  double slope = 0.0;
+};
+
+GapLogistic gap_logistic(const EvidenceScore& best) {
+  const double offset =
+      -8.943 - 1.175 * std::log(best.contradicted + 0.02) + 3.209 * std::log(1.02 - best.unmapped);
+  return {offset, 1.029 + 3.637 / std::sqrt(best.ends)};
+}
+
+}  // namespace
+
 double probability_right(const EvidenceScore& best, double gap) {
   if (best.ends == 0 || gap <= 0.0) return 0.0;
-  const double mean = best.log_likelihood / best.ends;
-  const double z = -16.76 + 0.526 * std::sqrt(gap) + 0.644 * std::sqrt(gap / best.ends) +
-                   0.975 * std::min(mean, 1.0) - 1.740 * std::log(best.contradicted + 0.02) -
-                   2.105 * std::log(best.blocked + 0.02);
-  return 1.0 / (1.0 + std::exp(-z));
+  const GapLogistic logistic = gap_logistic(best);
+  return 1.0 / (1.0 + std::exp(-logistic.offset - logistic.slope * std::sqrt(gap)));
+}
+
+double gap_for(const EvidenceScore& best, double probability) {
+  const GapLogistic logistic = gap_logistic(best);
+  const double odds = std::log(probability / (1.0 - probability));
+  const double root = std::max(0.0, (odds - logistic.offset) / logistic.slope);
+  return root * root;
 }
 
 }  // namespace cornerfix

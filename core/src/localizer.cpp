@@ -23,9 +23,9 @@ constexpr double kDistinctDistance = 1.0;  // places nearer than this and
 constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
 constexpr std::size_t kRefinePoints = 200;
 constexpr double kRivalMargin =
-    1.0;  // mean log-likelihood below the best at which a rival cannot matter [nat]
-constexpr double kMinRivalWeight = -0.2;    // below this a place is no candidate at all
-constexpr double kLeastRivalWeight = -0.5;  // taken for the best other place when there is none
+    0.5;  // mean log-likelihood below the best at which a rival cannot matter [nat]
+constexpr double kSearchSlack = 0.05;     // by which the search may misjudge a place [nat]
+constexpr double kMinRivalWeight = -0.5;  // below this a place is no candidate at all
 
 // Tracking.
 constexpr double kMinFitShare = 0.35;
@@ -58,6 +58,31 @@ std::vector<Point2> transformed_points(const Pose2& T, const std::vector<Point2>
   for (const Point2& p : points)
     moved.emplace_back(T.x + c * p.x() - s * p.y(), T.y + s * p.x() + c * p.y());
   return moved;
+}
+
+/// What was seen and where the robot has been, in base_link at the last scan.
+struct View {
+  Evidence evidence;
+  std::vector<Point2> way;
+};
+
+View mirrored(View view) {
+  for (std::vector<Point2>* points :
+       {&view.evidence.ends, &view.evidence.free, &view.evidence.origins, &view.way}) {
+    for (Point2& p : *points) p.y() = -p.y();
+  }
+  return view;
+}
+
+/// Lays the view on the walls about a pose, coarsely, then finely.
+Pose2 refined(const LocalizationMap& map, const View& view, Pose2 T_map_base_link) {
+  const std::vector<Point2> ends = thinned(view.evidence.ends, kRefinePoints);
+  for (const double kernel_m : {0.4, 0.1}) {
+    T_map_base_link =
+        refine_pose(map.field(), ends, T_map_base_link, {.kernel_m = kernel_m, .max_iterations = 8})
+            .T_frame_base_link;
+  }
+  return T_map_base_link;
 }
 
 /// How sure odometry is of a motion.
@@ -124,6 +149,7 @@ struct Localizer::Impl {
   bool searched = false;          ///< At this scan.
   std::size_t searched_ends = 0;  ///< Evidence at the last search of the whole map.
   double searched_way_m = 0.0;
+  double rival_margin = kRivalMargin;  ///< Farther below the best, a beam end, none was looked for.
 
   Status status = Status::kCollecting;
   Reason reason = Reason::kFewFeatures;
@@ -240,16 +266,19 @@ struct Localizer::Impl {
     times.match_ms = now() - match_begin;
 
     const double verify_begin = now();
-    judge(found);
+    rival_margin = kRivalMargin;
+    const View seen = view();
+    judge(seen, found);
     if (search_due()) {
+      rival_margin = margin_to_look_at();
       found = std::move(candidates);
-      add_places(found);
-      judge(found);
+      add_places(seen, found);
+      judge(seen, found);
       searched = true;
       searched_ends = submap.evidence().ends.size();
       searched_way_m = way_m;
     }
-    decide();
+    decide(seen);
     times.verify_ms = now() - verify_begin;
   }
 
@@ -286,53 +315,86 @@ struct Localizer::Impl {
   /// Whether the whole map must be looked at now.
   [[nodiscard]] bool search_due() const {
     // The gap to the second best means nothing while the second best may not have been looked at.
-    if (!candidates.empty() && acceptable()) return true;
+    if (!candidates.empty() && acceptable(gap())) return true;
     if (params.method != Method::kIndexed) return false;
     const double growth = static_cast<double>(submap.evidence().ends.size()) /
                           std::max(1.0, static_cast<double>(searched_ends));
     return searched_ends == 0 || growth >= 1.6 || way_m - searched_way_m >= 3.0;
   }
 
+  /// How far below the best candidate, a beam end, a place may lie and still matter.
+  [[nodiscard]] double margin_to_look_at() const {
+    constexpr double kMoreThanSure = 0.998;
+    if (candidates.empty()) return kRivalMargin;
+    const EvidenceScore& best = candidates.front().score;
+    const double gap = std::max(gap_for(best, kMoreThanSure), params.acceptance.min_gap);
+    return std::min(kRivalMargin, gap / std::max(1, best.ends));
+  }
+
   /// Every place of every map that comes near the best candidate.
-  void add_places(std::vector<Candidate>& found) const {
-    const double best_mean =
-        found.empty() ? 0.0
-                      : found.front().score.log_likelihood / std::max(1, found.front().score.ends);
+  void add_places(const View& view, std::vector<Candidate>& found) const {
     const Pose2 T_base_link_submap = inverse(T_submap_base_link);
-    const std::vector<Point2> ends = transformed_points(T_base_link_submap, submap.evidence().ends);
-    std::vector<Point2> way;
-    for (const SubmapScan& scan : submap.scans()) {
-      way.push_back((T_base_link_submap * scan.T_submap_base_link).translation());
+    // What no map may fall far below, from one map to the next.
+    double best_mean = kMinRivalWeight + rival_margin;
+    PlaceSearchParams search{.max_mean_gap = rival_margin};
+    for (const Candidate& candidate : found) {
+      best_mean = std::max(best_mean, optimistic_mean(view, candidate));
     }
-    PlaceSearchParams search;
-    search.min_mean_weight = std::max(kMinRivalWeight, best_mean - kRivalMargin);
     for (std::size_t map = 0; map < maps.size(); ++map) {
-      for (const Place& place : maps[map]->place_search().find(ends, way, search)) {
+      search.min_mean_weight = best_mean - rival_margin;
+      for (const Place& place :
+           maps[map]->place_search().find(view.evidence.ends, view.way, search)) {
         found.push_back({map, place.T_map_base_link * T_base_link_submap, 0, 0, {}});
+        best_mean = std::max(best_mean, place.mean_weight);
       }
     }
   }
 
-  /// Refines and scores, keeps the best of each place, best first.
-  void judge(std::vector<Candidate>& found) {
+  /// What the search says of a candidate.
+  [[nodiscard]] double optimistic_mean(const View& view, const Candidate& candidate) const {
+    return maps[candidate.map]->place_search().mean_weight(
+        view.evidence.ends, view.way, PlaceSearchParams{}.max_points,
+        candidate.T_map_submap * T_submap_base_link);
+  }
+
+  /// Whether the best candidate's map holds the mirror image of what was seen, and better: then
+  /// what was seen is symmetric, or the lidar is mounted upside down.
+  [[nodiscard]] bool mirror_image_fits_better(const View& view) const {
+    const Candidate& best = candidates.front();
+    const LocalizationMap& map = *maps[best.map];
+    const View image = mirrored(view);
+    const PlaceSearchParams search{.min_mean_weight = optimistic_mean(view, best) - kSearchSlack,
+                                   .max_mean_gap = kSearchSlack};
+    const auto places = map.place_search().find(image.evidence.ends, image.way, search);
+    return std::any_of(places.begin(), places.end(), [&](const Place& place) {
+      const Pose2 T_map_base_link = refined(map, image, place.T_map_base_link);
+      return score_evidence(map.classes(), image.evidence, T_map_base_link).fit >= best.score.fit;
+    });
+  }
+
+  [[nodiscard]] View view() const {
     const Pose2 T_base_link_submap = inverse(T_submap_base_link);
-    const std::vector<Point2> ends =
-        transformed_points(T_base_link_submap, thinned(submap.evidence().ends, kRefinePoints));
+    const Evidence& seen = submap.evidence();
+    View view{{transformed_points(T_base_link_submap, seen.ends),
+               transformed_points(T_base_link_submap, seen.free),
+               transformed_points(T_base_link_submap, seen.origins)},
+              {}};
+    for (const SubmapScan& scan : submap.scans())
+      view.way.push_back((T_base_link_submap * scan.T_submap_base_link).translation());
+    return view;
+  }
+
+  /// Refines and scores, keeps the best of each place, best first.
+  void judge(const View& view, std::vector<Candidate>& found) {
+    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
     for (Candidate& candidate : found) {
-      const DistanceField& field = maps[candidate.map]->field();
-      Pose2 T_map_base_link = candidate.T_map_submap * T_submap_base_link;
-      T_map_base_link =
-          refine_pose(field, ends, T_map_base_link, {.kernel_m = 0.4, .max_iterations = 8})
-              .T_frame_base_link;
-      T_map_base_link =
-          refine_pose(field, ends, T_map_base_link, {.kernel_m = 0.1, .max_iterations = 8})
-              .T_frame_base_link;
+      const LocalizationMap& map = *maps[candidate.map];
+      const Pose2 T_map_base_link = refined(map, view, candidate.T_map_submap * T_submap_base_link);
       candidate.T_map_submap = T_map_base_link * T_base_link_submap;
-      candidate.score =
-          score_evidence(maps[candidate.map]->classes(), submap.evidence(), candidate.T_map_submap);
+      candidate.score = score_evidence(map.classes(), view.evidence, T_map_base_link);
     }
     std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-      return a.score.log_likelihood > b.score.log_likelihood;
+      return a.score.fit > b.score.fit;
     });
     candidates.clear();
     for (const Candidate& candidate : found) {
@@ -362,27 +424,28 @@ struct Localizer::Impl {
   /// Log-likelihood of the best candidate less that of the best other place, at most what a search
   /// would have found.
   [[nodiscard]] double gap() const {
+    const double best = candidates.front().score.log_likelihood;
+    double gap = gap_without_rivals(rival_margin);
+    for (std::size_t i = 1; i < candidates.size(); ++i)
+      gap = std::min(gap, best - candidates[i].score.log_likelihood);
+    return gap;
+  }
+
+  /// When there is no other place within `margin`, a beam end.
+  [[nodiscard]] double gap_without_rivals(double margin) const {
     const EvidenceScore& best = candidates.front().score;
-    const double floor =
-        std::max(kLeastRivalWeight * best.ends, best.log_likelihood - kRivalMargin * best.ends);
-    const double second =
-        candidates.size() > 1 ? std::max(floor, candidates[1].score.log_likelihood) : floor;
-    return best.log_likelihood - second;
+    return std::min(best.log_likelihood - kMinRivalWeight * best.ends, margin * best.ends);
   }
 
-  [[nodiscard]] double probability() const {
-    return probability_right(candidates.front().score, gap());
-  }
-
-  [[nodiscard]] bool acceptable() const {
+  [[nodiscard]] bool acceptable(double gap) const {
     const EvidenceScore& best = candidates.front().score;
-    return best.log_likelihood > 0.0 && gap() >= params.acceptance.min_mean_gap * best.ends &&
-           gap() >= params.acceptance.min_gap && probability() >= params.acceptance.min_probability;
+    return gap >= params.acceptance.min_mean_gap * best.ends && gap >= params.acceptance.min_gap &&
+           probability_right(best, gap) >= params.acceptance.min_probability;
   }
 
-  void decide() {
-    const Status before = status;
-    status = before == Status::kLost ? Status::kLost : Status::kCollecting;
+  void decide(const View& view) {
+    const bool was_lost = status == Status::kLost;
+    status = was_lost ? Status::kLost : Status::kCollecting;
     confidence = 0.0;
     if (candidates.empty()) {
       const bool few_features =
@@ -391,12 +454,12 @@ struct Localizer::Impl {
       reason = few_features ? Reason::kFewFeatures : Reason::kNoMatch;
       return;
     }
-    const EvidenceScore& best = candidates.front().score;
-    confidence = probability();
-    const bool fits = best.log_likelihood > 0.0;
-    const bool distinct = gap() >= params.acceptance.min_mean_gap * best.ends;
-    if (fits && distinct && gap() >= params.acceptance.min_gap &&
-        confidence >= params.acceptance.min_probability) {
+    confidence = probability_right(candidates.front().score, gap());
+    if (acceptable(gap())) {
+      if (mirror_image_fits_better(view)) {
+        reason = Reason::kFewEvidence;
+        return;
+      }
       status = Status::kLocalized;
       reason = Reason::kNone;
       fix = candidates.front();
@@ -404,14 +467,20 @@ struct Localizer::Impl {
       misfit_way_m = 0.0;
       return;
     }
-    if (!fits) {
-      reason = Reason::kNoMatch;
-    } else if (!distinct && best.matched >= 0.7) {
-      status = before == Status::kLost ? Status::kLost : Status::kAmbiguous;
-      reason = Reason::kNone;
-    } else {
-      reason = gap() < params.acceptance.min_gap ? Reason::kFewEvidence : Reason::kContradicted;
-    }
+    reason = missing_without_rivals();
+    if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
+  }
+
+  /// What would be missing if there were no other place; kNone when only that stands in the way.
+  [[nodiscard]] Reason missing_without_rivals() const {
+    EvidenceScore best = candidates.front().score;
+    const double gap = gap_without_rivals(kRivalMargin);
+    if (gap <= 0.0) return Reason::kNoMatch;
+    if (acceptable(gap)) return Reason::kNone;
+    best.contradicted = 0.0;
+    const bool only_contradicted =
+        probability_right(best, gap) >= params.acceptance.min_probability;
+    return only_contradicted ? Reason::kContradicted : Reason::kFewEvidence;
   }
 
   // --- tracking

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <queue>
+#include <optional>
 
 namespace cornerfix {
 namespace {
@@ -14,9 +14,10 @@ constexpr int kRotations = 180;  // headings looked at: 2 deg apart
 constexpr std::size_t kMaxWayPoints = 8;
 // Weights are quantised so coarsely that a group of them can be summed in a byte.
 constexpr std::size_t kGroup = 8;
-constexpr double kLowestWeight = -1.7;  // [nat], quantised as 0
+static_assert(kMaxWayPoints <= kGroup);
+constexpr double kLowestWeight = -1.25;  // [nat], quantised as 0
 constexpr double kStepsPerNat =
-    12.0;  // the best weight, 0.85, is 31: kGroup times that is under 256
+    18.5;  // the best weight, 0.41, is 31: kGroup times that is under 256
 constexpr int kHighestValue = 31;
 constexpr std::uint8_t kWayFree = 18;
 constexpr std::uint8_t kWayUnknown = 12;
@@ -30,7 +31,9 @@ std::uint8_t quantised(double weight) {
 std::array<std::uint8_t, 256> end_values() {
   std::array<std::uint8_t, 256> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = (i & 15U) < kEndClasses ? quantised(static_cast<double>(kEndWeights[i & 15U])) : 0;
+    values[i] = (i & 15U) < kFieldClasses
+                    ? quantised(static_cast<double>(kSearchWeights.ends[i & 15U]))
+                    : 0;
   }
   return values;
 }
@@ -62,8 +65,8 @@ Point2 mean(std::span<const Point2> points) {
 }
 
 struct CellOffset {
-  std::int16_t x = 0;
-  std::int16_t y = 0;
+  std::int32_t x = 0;
+  std::int32_t y = 0;
 };
 
 }  // namespace
@@ -75,23 +78,60 @@ struct PlaceSearch::Node {
   std::int16_t y = 0;
   std::uint8_t rotation = 0;
   std::uint8_t level = 0;
+};
 
-  /// Heap order: highest bound first, then the finest block; the rest makes the order total.
-  friend bool operator<(const Node& a, const Node& b) {
-    if (a.bound != b.bound) return a.bound < b.bound;
-    if (a.level != b.level) return a.level > b.level;
-    if (a.rotation != b.rotation) return a.rotation > b.rotation;
-    return a.y != b.y ? a.y > b.y : a.x > b.x;
+/// Blocks still to be looked at, those with the highest bound first and the latest of equals first.
+/// Bounds are small whole numbers, so a list a bound is a queue.
+class PlaceSearch::Frontier {
+ public:
+  explicit Frontier(int max_bound) : by_bound_(static_cast<std::size_t>(max_bound) + 1) {}
+
+  void push(const Node& node) {
+    by_bound_[static_cast<std::size_t>(node.bound)].push_back(node);
+    top_ = std::max(top_, node.bound);
+  }
+  /// Nothing when no block reaches `threshold`.
+  std::optional<Node> pop(int threshold) {
+    for (; top_ >= std::max(0, threshold); --top_) {
+      std::vector<Node>& nodes = by_bound_[static_cast<std::size_t>(top_)];
+      if (nodes.empty()) continue;
+      const Node node = nodes.back();
+      nodes.pop_back();
+      return node;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<std::vector<Node>> by_bound_;
+  std::int32_t top_ = -1;
+};
+
+/// What is looked for, about the centre of the ends.
+struct PlaceSearch::Points {
+  Point2 center_base_link = Point2::Zero();
+  std::vector<Point2> ends;
+  std::vector<Point2> way;
+
+  /// From a mean weight of the ends, with all of the way free, to a sum of quantised weights.
+  [[nodiscard]] double sum_of(double mean_weight) const {
+    return (mean_weight - kLowestWeight) * kStepsPerNat * static_cast<double>(ends.size()) +
+           static_cast<double>(kWayFree) * static_cast<double>(way.size());
+  }
+  [[nodiscard]] double mean_of(int sum) const {
+    const double of_ends = sum - static_cast<double>(kWayFree) * static_cast<double>(way.size());
+    return of_ends / (kStepsPerNat * static_cast<double>(ends.size())) + kLowestWeight;
   }
 };
 
 /// The points in cells from their centre, by heading.
 struct PlaceSearch::Query {
-  Point2 center_base_link = Point2::Zero();
   std::size_t end_count = 0;
   std::size_t way_count = 0;
   std::vector<CellOffset> end_offsets;  ///< kRotations rows of end_count.
   std::vector<CellOffset> way_offsets;
+  std::vector<std::int32_t> end_indices;  ///< The same as distances in the fields.
+  std::vector<std::int32_t> way_indices;
   int threshold = 0;
 
   [[nodiscard]] std::span<const CellOffset> ends(std::size_t rotation) const {
@@ -100,9 +140,17 @@ struct PlaceSearch::Query {
   [[nodiscard]] std::span<const CellOffset> way(std::size_t rotation) const {
     return std::span(way_offsets).subspan(rotation * way_count, way_count);
   }
+  [[nodiscard]] std::span<const std::int32_t> end_index(std::size_t rotation) const {
+    return std::span(end_indices).subspan(rotation * end_count, end_count);
+  }
+  [[nodiscard]] std::span<const std::int32_t> way_index(std::size_t rotation) const {
+    return std::span(way_indices).subspan(rotation * way_count, way_count);
+  }
 };
 
 namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi / kRotations;
 
 /// sums[i] += the values of a group of points at i; the inner sum fits a byte, so the compiler
 /// takes 16 at a time.
@@ -124,16 +172,38 @@ void add_group(std::span<const std::uint8_t*, kGroup> sources, std::size_t shift
   }
 }
 
-void append_offsets(std::vector<CellOffset>& offsets, std::span<const Point2> points,
-                    const Point2& center, double yaw, double cell_m) {
+void append_offsets(std::vector<CellOffset>& offsets, std::span<const Point2> points, double yaw,
+                    double cell_m) {
   const double c = std::cos(yaw) / cell_m;
   const double s = std::sin(yaw) / cell_m;
-  for (const Point2& point : points) {
-    const Point2 p = point - center;
-    offsets.push_back({static_cast<std::int16_t>(std::lround(c * p.x() - s * p.y())),
-                       static_cast<std::int16_t>(std::lround(s * p.x() + c * p.y()))});
+  for (const Point2& p : points) {
+    offsets.push_back({static_cast<std::int32_t>(std::lround(c * p.x() - s * p.y())),
+                       static_cast<std::int32_t>(std::lround(s * p.x() + c * p.y()))});
   }
 }
+
+/// Sums of four blocks side by side, in the 16-bit lanes of two words.
+class FourSums {
+ public:
+  /// Adds the four bytes of each of up to kGroup packed values; their sums fit a byte.
+  void add(const std::uint32_t* values, std::span<const std::int32_t> indices) {
+    std::uint32_t bytes = 0;
+    for (const std::int32_t index : indices) bytes += values[index];
+    even_ += bytes & 0x00FF00FFU;
+    odd_ += (bytes >> 8U) & 0x00FF00FFU;
+  }
+  [[nodiscard]] int operator[](int i) const {
+    const std::uint32_t word = i % 2 == 0 ? even_ : odd_;
+    return static_cast<int>((word >> (i < 2 ? 0U : 16U)) & 0xFFFFU);
+  }
+  [[nodiscard]] int max() const {
+    return std::max(std::max((*this)[0], (*this)[1]), std::max((*this)[2], (*this)[3]));
+  }
+
+ private:
+  std::uint32_t even_ = 0;  // blocks 0 and 2
+  std::uint32_t odd_ = 0;   // blocks 1 and 3
+};
 
 }  // namespace
 
@@ -191,23 +261,27 @@ std::vector<std::uint8_t> PlaceSearch::pooled(
 PlaceSearch::Pyramid PlaceSearch::make_pyramid(std::vector<std::uint8_t> finest,
                                                std::uint8_t outside) const {
   Pyramid pyramid;
-  pyramid.levels.push_back(std::move(finest));
   const auto width = static_cast<std::size_t>(width_);
   const auto height = static_cast<std::size_t>(height_);
+  std::vector<std::uint8_t> below = std::move(finest);
   for (int level = 1; level <= top_level_; ++level) {
-    const std::vector<std::uint8_t>& below = pyramid.levels.back();
     const std::size_t half = std::size_t{1} << (level - 1);
+    std::vector<std::uint32_t> blocks(below.size());
     std::vector<std::uint8_t> here(below.size());
     const auto at = [&](std::size_t x, std::size_t y) {
       return x < width && y < height ? below[y * width + x] : outside;
     };
     for (std::size_t y = 0; y < height; ++y) {
       for (std::size_t x = 0; x < width; ++x) {
-        here[y * width + x] =
-            std::max({at(x, y), at(x + half, y), at(x, y + half), at(x + half, y + half)});
+        const std::array<std::uint8_t, 4> four{at(x, y), at(x + half, y), at(x, y + half),
+                                               at(x + half, y + half)};
+        blocks[y * width + x] = four[0] | std::uint32_t{four[1]} << 8U |
+                                std::uint32_t{four[2]} << 16U | std::uint32_t{four[3]} << 24U;
+        here[y * width + x] = *std::max_element(four.begin(), four.end());
       }
     }
-    pyramid.levels.push_back(std::move(here));
+    pyramid.blocks_below.push_back(std::move(blocks));
+    below = std::move(here);
   }
   const std::size_t block = std::size_t{1} << top_level_;
   const std::size_t blocks_x = width / block;
@@ -217,30 +291,29 @@ PlaceSearch::Pyramid PlaceSearch::make_pyramid(std::vector<std::uint8_t> finest,
     for (std::size_t x = 0; x < blocks_x * block; ++x) {
       const std::size_t phase = (y % block) * block + x % block;
       pyramid.top_by_phase[(phase * blocks_y + y / block) * blocks_x + x / block] =
-          pyramid.levels.back()[y * width + x];
+          below[y * width + x];
     }
   }
   return pyramid;
 }
 
-int PlaceSearch::bound(const Query& query, const Node& node) const {
+std::array<int, 4> PlaceSearch::bounds_below(const Query& query, const Node& node) const {
   const std::ptrdiff_t origin = static_cast<std::ptrdiff_t>(node.y) * width_ + node.x;
-  int total = 0;
-  const std::uint8_t* way = way_.levels[node.level].data() + origin;
-  for (const CellOffset offset : query.way(node.rotation))
-    total += way[offset.y * width_ + offset.x];
-  const std::uint8_t* ends = ends_.levels[node.level].data() + origin;
-  std::span<const CellOffset> rest = query.ends(node.rotation);
+  const auto level = static_cast<std::size_t>(node.level - 1);
+  FourSums sums;
+  sums.add(way_.blocks_below[level].data() + origin, query.way_index(node.rotation));
+  const std::uint32_t* ends = ends_.blocks_below[level].data() + origin;
+  std::span<const std::int32_t> rest = query.end_index(node.rotation);
   while (!rest.empty()) {
     const std::size_t count = std::min(kGroup, rest.size());
-    for (const CellOffset offset : rest.first(count)) total += ends[offset.y * width_ + offset.x];
+    sums.add(ends, rest.first(count));
     rest = rest.subspan(count);
-    if (total + kHighestValue * static_cast<int>(rest.size()) < query.threshold) return 0;
+    if (sums.max() + kHighestValue * static_cast<int>(rest.size()) < query.threshold) return {};
   }
-  return total;
+  return {sums[0], sums[1], sums[2], sums[3]};
 }
 
-void PlaceSearch::search_top(const Query& query, std::vector<Node>& open) const {
+void PlaceSearch::search_top(const Query& query, Frontier& open) const {
   const int block = 1 << top_level_;
   const std::size_t blocks_x = static_cast<std::size_t>(width_ / block);
   const std::size_t blocks_y = static_cast<std::size_t>(height_ / block);
@@ -274,49 +347,89 @@ void PlaceSearch::search_top(const Query& query, std::vector<Node>& open) const 
       }
       for (std::size_t column = 0; column < inner_x; ++column) {
         if (sums[column] < query.threshold) continue;
-        open.push_back(
-            {sums[column], static_cast<std::int16_t>(kBorder + static_cast<int>(column) * block),
-             static_cast<std::int16_t>(kBorder + static_cast<int>(row) * block),
-             static_cast<std::uint8_t>(rotation), static_cast<std::uint8_t>(top_level_)});
+        open.push({sums[column],
+                   static_cast<std::int16_t>(kBorder + static_cast<int>(column) * block),
+                   static_cast<std::int16_t>(kBorder + static_cast<int>(row) * block),
+                   static_cast<std::uint8_t>(rotation), static_cast<std::uint8_t>(top_level_)});
       }
     }
   }
+}
+
+PlaceSearch::Points PlaceSearch::gather(std::span<const Point2> ends_base_link,
+                                        std::span<const Point2> way_base_link,
+                                        int max_points) const {
+  Points points{.ends = thinned(ends_base_link, static_cast<std::size_t>(max_points)),
+                .way = thinned(way_base_link, kMaxWayPoints)};
+  if (points.ends.empty()) return points;
+  points.center_base_link = mean(points.ends);
+  const double reach = (kBorder - 2) * cell_m_;
+  for (std::vector<Point2>* part : {&points.ends, &points.way}) {
+    for (Point2& p : *part) p -= points.center_base_link;
+    std::erase_if(*part, [reach](const Point2& p) { return p.norm() > reach; });
+  }
+  return points;
+}
+
+PlaceSearch::Query PlaceSearch::make_query(const Points& points) const {
+  Query query;
+  query.end_count = points.ends.size();
+  query.way_count = points.way.size();
+  for (int rotation = 0; rotation < kRotations; ++rotation) {
+    append_offsets(query.end_offsets, points.ends, rotation * kTurn, cell_m_);
+    append_offsets(query.way_offsets, points.way, rotation * kTurn, cell_m_);
+  }
+  const auto index_of = [this](const CellOffset& offset) { return offset.y * width_ + offset.x; };
+  std::ranges::transform(query.end_offsets, std::back_inserter(query.end_indices), index_of);
+  std::ranges::transform(query.way_offsets, std::back_inserter(query.way_indices), index_of);
+  return query;
+}
+
+double PlaceSearch::mean_weight(std::span<const Point2> ends_base_link,
+                                std::span<const Point2> way_base_link, int max_points,
+                                const Pose2& T_map_base_link) const {
+  const Points points = gather(ends_base_link, way_base_link, max_points);
+  const Pose2 T_grid_base_link = inverse(T_map_grid_) * T_map_base_link;
+  const Point2 center = (T_grid_base_link * points.center_base_link) / cell_m_;
+  const int column = static_cast<int>(std::floor(center.x()));
+  const int row = static_cast<int>(std::floor(center.y()));
+  if (points.ends.empty() || column < 0 || row < 0 || column >= inner_width_ ||
+      row >= inner_height_)
+    return kLowestWeight;
+  const auto sum = [&](const Pyramid& pyramid, std::span<const Point2> part) {
+    std::vector<CellOffset> offsets;
+    append_offsets(offsets, part, std::round(T_grid_base_link.yaw / kTurn) * kTurn, cell_m_);
+    int total = 0;
+    for (const CellOffset& offset : offsets) {
+      const std::ptrdiff_t x = column + kBorder + offset.x;
+      const std::ptrdiff_t y = row + kBorder + offset.y;
+      total += static_cast<int>(
+          pyramid.blocks_below.front()[static_cast<std::size_t>(y * width_ + x)] & 0xFFU);
+    }
+    return total;
+  };
+  return points.mean_of(sum(ends_, points.ends) + sum(way_, points.way));
 }
 
 std::vector<Place> PlaceSearch::find(std::span<const Point2> ends_base_link,
                                      std::span<const Point2> way_base_link,
                                      const PlaceSearchParams& params) const {
   std::vector<Place> places;
-  if (ends_base_link.empty() || inner_width_ == 0 || inner_height_ == 0) return places;
-  std::vector<Point2> ends = thinned(ends_base_link, static_cast<std::size_t>(params.max_points));
-  std::vector<Point2> way = thinned(way_base_link, kMaxWayPoints);
-  Query query;
-  query.center_base_link = mean(ends);
-  const double reach = (kBorder - 2) * cell_m_;
-  const auto too_far = [&](const Point2& p) { return (p - query.center_base_link).norm() > reach; };
-  std::erase_if(ends, too_far);
-  std::erase_if(way, too_far);
-  if (ends.empty()) return places;
-  query.end_count = ends.size();
-  query.way_count = way.size();
-  const double step = 2.0 * std::numbers::pi / kRotations;
-  for (int rotation = 0; rotation < kRotations; ++rotation) {
-    append_offsets(query.end_offsets, ends, query.center_base_link, rotation * step, cell_m_);
-    append_offsets(query.way_offsets, way, query.center_base_link, rotation * step, cell_m_);
-  }
-  const double end_count = static_cast<double>(query.end_count);
-  const double way_part = static_cast<double>(kWayFree) * static_cast<double>(query.way_count);
-  query.threshold = static_cast<int>(
-      (params.min_mean_weight - kLowestWeight) * kStepsPerNat * end_count + way_part);
+  if (inner_width_ == 0 || inner_height_ == 0) return places;
+  const Points points = gather(ends_base_link, way_base_link, params.max_points);
+  if (points.ends.empty()) return places;
+  Query query = make_query(points);
+  query.threshold = static_cast<int>(points.sum_of(params.min_mean_weight));
+  const int max_gap = static_cast<int>(params.max_mean_gap * kStepsPerNat *
+                                       static_cast<double>(points.ends.size()));
 
-  std::vector<Node> open;
+  Frontier open(kHighestValue * static_cast<int>(query.end_count + query.way_count + kGroup));
   search_top(query, open);
-  std::make_heap(open.begin(), open.end());
   const auto pose_of = [&](double x, double y,
                            int rotation) {  // of base_link in `grid`, centre at cells x, y
     const Pose2 T_grid_center{(x - kBorder) * cell_m_, (y - kBorder) * cell_m_,
-                              wrap_angle(rotation * step)};
-    return T_grid_center * Pose2{-query.center_base_link.x(), -query.center_base_link.y(), 0.0};
+                              wrap_angle(rotation * kTurn)};
+    return T_grid_center * Pose2{-points.center_base_link.x(), -points.center_base_link.y(), 0.0};
   };
   std::vector<Pose2> found;  // in `grid`
   const auto is_known = [&](const Node& node) {
@@ -328,34 +441,29 @@ std::vector<Place> PlaceSearch::find(std::span<const Point2> ends_base_link,
              angle_between(place, middle) < params.distinct_angle_rad;
     });
   };
-  for (std::size_t expansions = 0; !open.empty() && expansions < params.max_expansions;
-       ++expansions) {
-    std::pop_heap(open.begin(), open.end());
-    const Node node = open.back();
-    open.pop_back();
+  for (std::size_t expansions = 0; expansions < params.max_expansions; ++expansions) {
+    const std::optional<Node> next_best = open.pop(query.threshold);
+    if (!next_best) break;
+    const Node& node = *next_best;
     if (is_known(node)) continue;
     if (node.level == 0) {
       found.push_back(pose_of(node.x + 0.5, node.y + 0.5, node.rotation));
-      places.push_back({T_map_grid_ * found.back(),
-                        (node.bound - way_part) / (kStepsPerNat * end_count) + kLowestWeight});
+      places.push_back({T_map_grid_ * found.back(), points.mean_of(node.bound)});
       if (places.size() == params.max_places) break;
-      if (places.size() == 1)
-        query.threshold =
-            std::max(query.threshold,
-                     node.bound - static_cast<int>(params.max_mean_gap * kStepsPerNat * end_count));
+      query.threshold = std::max(query.threshold, node.bound - max_gap);
       continue;
     }
     const int half = 1 << (node.level - 1);
+    const std::array<int, 4> bounds = bounds_below(query, node);
     for (int child = 0; child < 4; ++child) {
       Node next = node;
       next.level = static_cast<std::uint8_t>(node.level - 1);
       next.x = static_cast<std::int16_t>(node.x + (child % 2) * half);
       next.y = static_cast<std::int16_t>(node.y + (child / 2) * half);
       if (next.x >= kBorder + inner_width_ || next.y >= kBorder + inner_height_) continue;
-      next.bound = bound(query, next);
+      next.bound = bounds[static_cast<std::size_t>(child)];
       if (next.bound < query.threshold) continue;
-      open.push_back(next);
-      std::push_heap(open.begin(), open.end());
+      open.push(next);
     }
   }
   return places;

@@ -23,8 +23,10 @@ struct EvidenceGridParams {
 
 /// Points that stand for what was seen, in the frame of the grid's scans.
 struct Evidence {
-  std::vector<Point2> ends;  ///< Where walls are: the mean of the beam ends in a cell.
-  std::vector<Point2> free;  ///< Where beams passed and none ended.
+  std::vector<Point2> ends{};  ///< Where walls are: the mean of the beam ends in a cell.
+  std::vector<Point2> free{};  ///< Where beams passed and none ended.
+  /// From where each of `ends` was last seen, or empty when that does not matter.
+  std::vector<Point2> origins{};
 };
 
 /// Adds and removes whole scans; a removed scan leaves no trace. Value type; not synchronised.
@@ -46,6 +48,8 @@ class EvidenceGrid {
     std::int16_t passes = 0;
     float sum_x = 0.0F;  ///< Of the ends, relative to the cell's corner [m].
     float sum_y = 0.0F;
+    float origin_x = 0.0F;  ///< Of the last beam that ended here [m].
+    float origin_y = 0.0F;
   };
   void count(const LaserScan& scan, const Pose2& T_submap_laser, int sign);
 

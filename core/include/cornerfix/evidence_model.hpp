@@ -22,15 +22,32 @@ namespace cornerfix {
 inline constexpr std::array<double, 4> kNearLimits{0.05, 0.10, 0.15, 0.20};
 inline constexpr std::array<double, 4> kFarLimits{0.30, 0.50, 1.00, 1e9};
 
-inline constexpr std::size_t kEndClasses = kNearLimits.size() + 2 * kFarLimits.size();
+inline constexpr std::size_t kFieldClasses = kNearLimits.size() + 2 * kFarLimits.size();
+/// An end behind a mapped wall that the beam must have passed, near a wall of its own or not.
+inline constexpr std::size_t kHiddenNear = kFieldClasses;
+inline constexpr std::size_t kHiddenFar = kFieldClasses + 1;
+inline constexpr std::size_t kEndClasses = kFieldClasses + 2;
 enum class PassClass : std::uint8_t { kOnWall, kNearWall, kFree, kUnknown };
 inline constexpr std::size_t kPassClasses = 4;
 
-/// Log-likelihood ratios [nat]: near classes, then far ones in known-free space, then far ones in
-/// unknown space.
-inline constexpr std::array<float, kEndClasses> kEndWeights{
-    0.75F, 0.43F, -0.48F, -0.79F, -1.89F, -2.25F, -2.93F, -2.52F, -0.24F, -0.25F, -0.12F, -0.35F};
-inline constexpr std::array<float, kPassClasses> kPassWeights{-1.27F, -0.97F, 0.16F, -0.35F};
+/// Weights of the classes [nat]: near ones, far ones in known-free space, far ones in unknown
+/// space, hidden ones; then of the places that beams passed.
+struct EvidenceWeights {
+  std::array<float, kEndClasses> ends;
+  std::array<float, kPassClasses> passes;
+};
+/// ln(P(class | true pose) / P(class | best wrong pose)), learnt over all wrong poses: what the
+/// search ranks places by.
+inline constexpr EvidenceWeights kSearchWeights{
+    {0.41F, -0.14F, -0.72F, -0.77F, -1.20F, -1.24F, -1.03F, -0.47F, -0.10F, -0.10F, -0.10F, -0.10F,
+     -0.10F, -1.30F},
+    {-0.90F, -0.62F, 0.11F, -0.44F}};
+/// The same, learnt over the wrong poses that such a search finds plausible: what tells the true
+/// one from its rivals.
+inline constexpr EvidenceWeights kRivalWeights{
+    {0.35F, -0.12F, -0.63F, -0.68F, -1.11F, -1.20F, -1.16F, -0.90F, -0.10F, -0.10F, -0.10F, -0.10F,
+     -0.10F, -1.30F},
+    {-0.81F, -0.59F, 0.06F, -0.16F}};
 
 /// The classes of a map's cells, two nibbles a cell. Immutable.
 class ClassField {
@@ -49,9 +66,13 @@ class ClassField {
   /// Both classes as stored: the end class in the low nibble, the pass class in the high one.
   [[nodiscard]] std::uint8_t packed(int column, int row) const { return at(column, row); }
 
+  /// Whether a wall stands between two points, seen from both: neither the wall that a beam ends in
+  /// nor one that it grazes counts. Points in cells of the grid; O(free places on the way).
+  [[nodiscard]] bool wall_between(const Point2& from_cells, const Point2& to_cells) const;
+
   /// Class of a cell outside the grid: far from walls, unknown.
   static constexpr std::uint8_t kOutside = static_cast<std::uint8_t>(
-      (kEndClasses - 1) | (static_cast<std::size_t>(PassClass::kUnknown) << 4U));
+      (kFieldClasses - 1) | (static_cast<std::size_t>(PassClass::kUnknown) << 4U));
 
  private:
   [[nodiscard]] std::uint8_t at(int column, int row) const {
@@ -71,12 +92,13 @@ class ClassField {
 struct EvidenceScore {
   std::array<int, kEndClasses> end_counts{};    ///< Beam ends by class.
   std::array<int, kPassClasses> pass_counts{};  ///< Passed places by class.
-  double log_likelihood = 0.0;                  ///< Sum of the weights [nat].
+  double fit = 0.0;                             ///< Sum of the kSearchWeights [nat].
+  double log_likelihood = 0.0;                  ///< Sum of the kRivalWeights [nat].
   int ends = 0;                                 ///< Beam ends judged.
-  double matched = 0.0;                         ///< Share of the ends within 0.15 m of a wall.
-  double contradicted =
-      0.0;               ///< Share of the ends in known-free space, more than 0.3 m from a wall.
-  double blocked = 0.0;  ///< Share of the passed places that are walls.
+  // Shares of the ends:
+  double matched = 0.0;       ///< Within 0.15 m of a wall.
+  double contradicted = 0.0;  ///< In known-free space, more than 0.3 m from a wall.
+  double unmapped = 0.0;      ///< In unknown space.
 };
 
 /// `T_map_evidence` takes the evidence's frame into `map`. O(points), one look-up each.
@@ -87,5 +109,8 @@ struct EvidenceScore {
 /// best other pose. A logistic in the gap, the mean likelihood and the contradictions, fitted over
 /// logs (docs/algorithm.md).
 [[nodiscard]] double probability_right(const EvidenceScore& best, double gap);
+
+/// The gap at which probability_right() reaches `probability`, in (0, 1).
+[[nodiscard]] double gap_for(const EvidenceScore& best, double probability);
 
 }  // namespace cornerfix

@@ -19,10 +19,9 @@
 namespace cornerfix {
 
 struct PlaceSearchParams {
-  int max_points = 100;          ///< Of the ends, evenly thinned; >= 1.
-  double min_mean_weight = 0.0;  ///< Places with less a point are left out [nat].
-  double max_mean_gap =
-      0.7;  ///< And places this much below the best: as rivals they do not count [nat].
+  int max_points = 100;              ///< Of the ends, evenly thinned; >= 1.
+  double min_mean_weight = 0.0;      ///< Places with less a point are left out [nat].
+  double max_mean_gap = 0.3;         ///< And places this much below the best one [nat].
   std::size_t max_places = 12;       ///< >= 1
   double distinct_distance_m = 1.0;  ///< Places nearer than this and
   double distinct_angle_rad = 0.26;  ///< turned by less than this are one.
@@ -42,26 +41,39 @@ class PlaceSearch {
 
   /// \param ends_base_link  Where beams ended, in base_link at the pose asked for.
   /// \param way_base_link   Where the robot has been, which must be free space; the last may be the
-  /// origin. \return Distinct places, best first.
+  /// origin.
+  /// \return Distinct places, best first.
   [[nodiscard]] std::vector<Place> find(std::span<const Point2> ends_base_link,
                                         std::span<const Point2> way_base_link,
                                         const PlaceSearchParams& params) const;
 
+  /// What the search would say of a pose: a bound for places that could matter beside it.
+  [[nodiscard]] double mean_weight(std::span<const Point2> ends_base_link,
+                                   std::span<const Point2> way_base_link, int max_points,
+                                   const Pose2& T_map_base_link) const;
+
  private:
-  /// Maxima over blocks of 1, 2, 4 … cells, level by level; the top level again by phase, so that
-  /// the blocks of a row lie side by side in memory.
+  /// Maxima over blocks of 1, 2, 4 … cells. The top level lies by phase, so that the blocks of a
+  /// row are side by side in memory; below it each word holds the four blocks that make a larger
+  /// one.
   struct Pyramid {
-    std::vector<std::vector<std::uint8_t>> levels;
+    std::vector<std::vector<std::uint32_t>> blocks_below;  ///< Of levels 1, 2 …
     std::vector<std::uint8_t> top_by_phase;
   };
   struct Node;
+  class Frontier;
+  struct Points;
   struct Query;
 
   [[nodiscard]] std::vector<std::uint8_t> pooled(
       const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const;
   [[nodiscard]] Pyramid make_pyramid(std::vector<std::uint8_t> finest, std::uint8_t outside) const;
-  void search_top(const Query& query, std::vector<Node>& open) const;
-  [[nodiscard]] int bound(const Query& query, const Node& node) const;
+  [[nodiscard]] Points gather(std::span<const Point2> ends_base_link,
+                              std::span<const Point2> way_base_link, int max_points) const;
+  [[nodiscard]] Query make_query(const Points& points) const;
+  void search_top(const Query& query, Frontier& open) const;
+  /// Bounds of the four blocks that `node` is made of; zeros when none reaches the threshold.
+  [[nodiscard]] std::array<int, 4> bounds_below(const Query& query, const Node& node) const;
 
   Pose2 T_map_grid_;
   double cell_m_ = 0.2;

@@ -55,7 +55,8 @@ TEST(EvidenceModel, ExplainsNearlyAllAtTheTruePose) {
     EXPECT_GT(score.log_likelihood, 0.0) << "seed " << seed;
     EXPECT_GT(score.matched, 0.95) << "seed " << seed;
     EXPECT_LT(score.contradicted, 0.02) << "seed " << seed;
-    EXPECT_LT(score.blocked, 0.02) << "seed " << seed;
+    EXPECT_LT(score.end_counts[kHiddenNear] + score.end_counts[kHiddenFar], 0.05 * score.ends)
+        << "seed " << seed;
   }
 }
 
@@ -93,7 +94,6 @@ TEST(EvidenceModel, WhatLiesOutsideTheMapIsUnknownNotContradicted) {
   const EvidenceScore score = score_evidence(classes, evidence, {500.0, -500.0, 0.0});
   EXPECT_EQ(score.matched, 0.0);
   EXPECT_EQ(score.contradicted, 0.0);
-  EXPECT_EQ(score.blocked, 0.0);
   EXPECT_LT(score.log_likelihood, 0.0);
 }
 
@@ -115,9 +115,44 @@ TEST(EvidenceModel, APassedPlaceMustNotBeAWall) {
   const ClassField classes = classes_of(room_grid());
   const auto score_at = [&](const Point2& p) { return score_evidence(classes, {{}, {p}}, {}); };
   EXPECT_GT(score_at({6.0, 5.0}).log_likelihood, 0.0);
-  EXPECT_EQ(score_at({6.0, 5.0}).blocked, 0.0);
   EXPECT_LT(score_at({10.0, 5.0}).log_likelihood, 0.0);
-  EXPECT_EQ(score_at({10.0, 5.0}).blocked, 1.0);
+}
+
+TEST(EvidenceModel, AnEndBehindAWallIsHidden) {
+  // A wall at x = 6 between the robot and the wall at x = 8 that it claims to have seen.
+  const SceneBuilder scene = SceneBuilder().room({0, 0}, {8.0, 8.0}).wall({6, 0}, {6, 8});
+  const ClassField classes =
+      classes_of(testing::drawn_grid(scene, {2.0, 4.0}, {-1, -1, 0}, {10.0, 10.0}, 0.05));
+  const auto is_hidden = [&](const Point2& from, const Point2& to) {
+    const EvidenceScore score = score_evidence(classes, {.ends = {to}, .origins = {from}}, {});
+    return score.end_counts[kHiddenNear] + score.end_counts[kHiddenFar] == 1;
+  };
+  EXPECT_TRUE(is_hidden({2.0, 4.0}, {7.98, 4.0}));
+  EXPECT_TRUE(is_hidden({2.0, 4.0}, {7.0, 4.0})) << "beyond the wall, near none";
+  EXPECT_FALSE(is_hidden({2.0, 4.0}, {5.98, 4.0})) << "on the wall itself";
+  EXPECT_FALSE(is_hidden({2.0, 4.0}, {6.10, 4.0})) << "a noisy end";
+  EXPECT_FALSE(is_hidden({2.0, 1.0}, {5.9, 7.0})) << "along the room";
+  const EvidenceScore from_anywhere = score_evidence(classes, {.ends = {{7.98, 4.0}}}, {});
+  EXPECT_EQ(from_anywhere.end_counts[kHiddenNear], 0);
+}
+
+TEST(EvidenceModel, ABeamThatGrazesAWallIsNotHidden) {
+  const SceneBuilder scene = SceneBuilder().room({0, 0}, {20.0, 4.0});
+  const ClassField classes =
+      classes_of(testing::drawn_grid(scene, {2.0, 2.0}, {-1, -1, 0}, {22.0, 6.0}, 0.05));
+  // Along the long wall, off by less than a pose may be.
+  const Evidence evidence{.ends = {{19.98, -0.08}}, .origins = {{1.0, 0.1}}};
+  const EvidenceScore score = score_evidence(classes, evidence, {});
+  EXPECT_EQ(score.end_counts[kHiddenNear] + score.end_counts[kHiddenFar], 0);
+}
+
+TEST(EvidenceModel, TheGapForAProbabilityReachesIt) {
+  EvidenceScore best;
+  best.ends = 150;
+  best.contradicted = 0.01;
+  for (const double probability : {0.5, 0.9, 0.985, 0.999})
+    EXPECT_NEAR(probability_right(best, gap_for(best, probability)), probability, 1e-9);
+  EXPECT_LT(gap_for(best, 0.9), gap_for(best, 0.99));
 }
 
 TEST(EvidenceModel, NoEvidenceScoresNothing) {
@@ -147,8 +182,10 @@ TEST(EvidenceModel, ATurnedGridScoresTheSame) {
 }
 
 EvidenceScore good_score() {
-  return {
-      .log_likelihood = 150.0, .ends = 200, .matched = 0.9, .contradicted = 0.02, .blocked = 0.01};
+  EvidenceScore score;
+  score.ends = 200;
+  score.contradicted = 0.02;
+  return score;
 }
 
 TEST(EvidenceModel, ProbabilityGrowsWithTheGap) {
@@ -165,11 +202,8 @@ TEST(EvidenceModel, ProbabilityGrowsWithTheGap) {
 TEST(EvidenceModel, ProbabilityFallsWithContradictions) {
   EvidenceScore contradicted = good_score();
   contradicted.contradicted = 0.3;
-  EvidenceScore blocked = good_score();
-  blocked.blocked = 0.2;
   const double good = probability_right(good_score(), 60.0);
   EXPECT_LT(probability_right(contradicted, 60.0), good);
-  EXPECT_LT(probability_right(blocked, 60.0), good);
 }
 
 TEST(EvidenceModel, WithoutGapOrEvidenceNothingIsProbable) {

@@ -51,7 +51,7 @@ double mean_weight(const ClassField& classes, std::span<const Point2> ends, cons
   double sum = 0.0;
   for (const Point2& end : ends) {
     const Point2 cell = (T_grid_base_link * end) / classes.resolution();
-    sum += static_cast<double>(kEndWeights[classes.end_class(
+    sum += static_cast<double>(kSearchWeights.ends[classes.end_class(
         static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())))]);
   }
   return sum / static_cast<double>(ends.size());
@@ -192,6 +192,20 @@ TEST(PlaceSearch, LeavesOutPlacesBelowTheThreshold) {
   ASSERT_EQ(best.size(), 1U);
   EXPECT_EQ(best[0].T_map_base_link, all[0].T_map_base_link);
   EXPECT_TRUE(search.find(ends, kHere, {.min_mean_weight = all[0].mean_weight + 0.1}).empty());
+}
+
+TEST(PlaceSearch, SaysOfAFoundPlaceWhatItSaidWhenItFoundIt) {
+  const PlaceSearch search(room_classes());
+  const std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
+  const std::vector<Place> places =
+      search.find(ends, kHere, {.min_mean_weight = -1.0, .max_mean_gap = 2.0});
+  ASSERT_GT(places.size(), 2U);
+  for (const Place& place : places)
+    EXPECT_NEAR(search.mean_weight(ends, kHere, 100, place.T_map_base_link), place.mean_weight,
+                1e-9);
+  EXPECT_LT(search.mean_weight(ends, kHere, 100, {6.0, 5.0, 2.0}), places.front().mean_weight);
+  EXPECT_LT(search.mean_weight(ends, kHere, 100, {900.0, -900.0, 0.0}), -1.0) << "off the map";
+  EXPECT_LT(search.mean_weight({}, kHere, 100, {6.0, 5.0, 0.4}), -1.0) << "nothing seen";
 }
 
 TEST(PlaceSearch, LeavesOutPlacesFarBelowTheBest) {
