@@ -1,6 +1,5 @@
 #include "api/json_codec.hpp"
 
-#include <cassert>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -179,20 +178,19 @@ Json render_features(std::uint64_t revision, std::span<const Feature> features,
   return {{"revision", revision}, {"features", std::move(list)}};
 }
 
-Json render_descriptor(std::uint64_t revision, std::size_t feature,
-                       const DescriptorSet& descriptors) {
-  assert(feature < descriptors.size() && "the caller answers 404 before");
+Json render_descriptor(std::uint64_t revision, std::size_t feature, const DescriptorParams& params,
+                       std::span<const DescriptorEntry> descriptor) {
   Json entries = Json::array();
-  for (const DescriptorEntry& entry : descriptors[feature]) {
+  for (const DescriptorEntry& entry : descriptor) {
     entries.push_back({{"feature", entry.feature},
                        {"distance_bin", entry.distance_bin},
                        {"angle_bin", entry.angle_bin}});
   }
   return {{"revision", revision},
           {"feature", feature},
-          {"distance_resolution_m", descriptors.params.distance_resolution_m},
-          {"angle_resolution_rad", descriptors.params.angle_resolution_rad},
-          {"angle_bins", descriptors.angle_bins()},
+          {"distance_resolution_m", params.distance_resolution_m},
+          {"angle_resolution_rad", params.angle_resolution_rad},
+          {"angle_bins", angle_bins(params)},
           {"entries", std::move(entries)}};
 }
 

@@ -69,9 +69,9 @@ struct MapBatchResult {
 /// Features within `box`, or all. Ids are positions in `features`, stable within a revision.
 [[nodiscard]] Json render_features(std::uint64_t revision, std::span<const Feature> features,
                                    const std::optional<Bounds>& box);
-/// `feature` must be below descriptors.size().
 [[nodiscard]] Json render_descriptor(std::uint64_t revision, std::size_t feature,
-                                     const DescriptorSet& descriptors);
+                                     const DescriptorParams& params,
+                                     std::span<const DescriptorEntry> descriptor);
 
 /// A robot's session.
 struct SessionEntry {

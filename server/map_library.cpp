@@ -15,14 +15,6 @@ constexpr int kMaxAttempts = 3;
 constexpr double kStampToleranceS = 1e-3;
 constexpr std::size_t kMaxStampsTold = 20;
 
-std::size_t bytes_of(const LocalizationMap& map) {
-  constexpr std::size_t kBytesPerCell = 6;  // The grid, and the fields made from it.
-  return sizeof(LocalizationMap) + map.features().size() * sizeof(Feature) +
-         map.descriptors().entries.size() * sizeof(DescriptorEntry) +
-         map.descriptors().offsets.size() * sizeof(std::uint32_t) +
-         map.grid().cells.size() * kBytesPerCell;
-}
-
 /// Whether another process came in between, so that trying again on its result makes sense.
 bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
 
@@ -297,7 +289,7 @@ LocalizationMapPtr MapLibrary::cached(const Key& key) {
 void MapLibrary::remember(const Key& key, const LocalizationMapPtr& map) {
   const std::lock_guard lock(cache_mutex_);
   cache_.remove_if([&](const CachedMap& old) { return old.key.first == key.first; });
-  cache_.push_front({key, map, bytes_of(*map)});
+  cache_.push_front({key, map, map->bytes()});
   std::size_t bytes = 0;
   for (auto entry = cache_.begin(); entry != cache_.end();) {
     bytes += entry->bytes;

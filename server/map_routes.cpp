@@ -160,9 +160,12 @@ class MapRoutes {
     std::size_t feature = 0;
     const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), feature);
     const bool is_number = error == std::errc{} && end == id.data() + id.size();
-    if (!is_number || feature >= (*map)->descriptors().size()) return no_such_feature(id);
+    if (!is_number || feature >= (*map)->features().size()) return no_such_feature(id);
+    const DescriptorParams& params = (*map)->descriptor_index().params();
     return document_response(
-        request, 200, api::render_descriptor((*map)->revision(), feature, (*map)->descriptors()));
+        request, 200,
+        api::render_descriptor((*map)->revision(), feature, params,
+                               describe_one((*map)->features(), feature, params)));
   }
 
   Response grid_png(const Request& request) {

@@ -93,7 +93,7 @@ std::vector<NearPair> sorted_by_distance(const std::vector<NearPair>& pairs) {
 
 }  // namespace
 
-int DescriptorSet::angle_bins() const {
+int angle_bins(const DescriptorParams& params) {
   return static_cast<int>(std::lround(kTurn / params.angle_resolution_rad));
 }
 
@@ -135,6 +135,28 @@ DescriptorSet describe(std::span<const Feature> features, const DescriptorParams
     set.entries[next[pair.second]++] = {pair.distance_bin, pair.second_angle_bin, pair.first};
   }
   return set;
+}
+
+std::vector<DescriptorEntry> describe_one(std::span<const Feature> features, std::size_t feature,
+                                          const DescriptorParams& params) {
+  assert(!validate(params) && "params must pass validate()");
+  const Quantiser quantise(params, angle_bins(params));
+  const Point2 self = features[feature].position;
+  std::vector<DescriptorEntry> entries;
+  for (std::size_t other = 0; other < features.size(); ++other) {
+    const Point2 v = features[other].position - self;
+    const double distance = v.norm();
+    if (other == feature || distance > params.max_distance_m) continue;
+    // Of a pair, the bearing is measured at the feature with the smaller x and turned for the
+    // other.
+    const auto id = static_cast<std::uint32_t>(other);
+    const bool is_first = v.x() > 0.0 || (v.x() == 0.0 && feature < other);
+    const NearPair pair = quantise(0, 0, is_first ? v : Point2(-v), distance);
+    entries.push_back(
+        {pair.distance_bin, is_first ? pair.first_angle_bin : pair.second_angle_bin, id});
+  }
+  std::ranges::stable_sort(entries, {}, &DescriptorEntry::distance_bin);
+  return entries;
 }
 
 }  // namespace cornerfix

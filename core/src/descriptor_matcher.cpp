@@ -259,10 +259,10 @@ std::size_t sample_count(const SampledMatchParams& params, std::size_t local_cou
   return static_cast<std::size_t>(std::min(at_least_one, static_cast<double>(local_count)));
 }
 
-FeaturePairs pairs_of(const DescriptorMatch& match, const DescriptorSet& local,
-                      const DescriptorSet& global) {
+FeaturePairs pairs_of(const DescriptorMatch& match, std::span<const DescriptorEntry> local,
+                      std::span<const DescriptorEntry> global, int angle_bins) {
   FeaturePairs pairs{{match.local_feature, match.global_feature}};
-  merge(local[match.local_feature], global[match.global_feature], local.angle_bins(),
+  merge(local, global, angle_bins,
         [&](const DescriptorEntry& m, const DescriptorEntry& n, int bucket) {
           if (bucket == match.angle_bin) pairs.emplace_back(m.feature, n.feature);
         });

@@ -7,10 +7,17 @@ namespace cornerfix {
 LocalizationMap::LocalizationMap(std::string name, std::uint64_t revision, MapContent content)
     : name_(std::move(name)),
       revision_(revision),
-      content_(std::move(content)),
-      descriptor_index_(content_.descriptors),
-      field_(content_.grid),
-      classes_(content_.grid, field_),
+      features_(std::move(content.features)),
+      grid_(std::move(content.grid)),
+      descriptor_index_(content.descriptors),
+      field_(grid_),
+      classes_(grid_, field_),
       place_search_(classes_) {}
+
+std::size_t LocalizationMap::bytes() const {
+  return sizeof(LocalizationMap) + features_.size() * sizeof(Feature) +
+         grid_.cells.size() * sizeof(Cell) + descriptor_index_.bytes() + field_.steps().size() +
+         classes_.bytes() + place_search_.bytes();
+}
 
 }  // namespace cornerfix

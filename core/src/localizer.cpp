@@ -285,9 +285,8 @@ struct Localizer::Impl {
   /// NMA or RMA, RANSAC on the pairs of the best matches (eqs. 15-18).
   void match_features(std::size_t map, std::vector<Candidate>& found) const {
     const std::vector<Feature>& features = submap.features();
-    const DescriptorSet& global = maps[map]->descriptors();
     const DescriptorIndex& index = maps[map]->descriptor_index();
-    const DescriptorSet local = describe(features, global.params);
+    const DescriptorSet local = describe(features, index.params());
     const auto max_matches = static_cast<std::size_t>(params.max_matches);
     SampledMatchParams sampling = params.sampling;
     sampling.seed = params.seed + scans;
@@ -297,8 +296,11 @@ struct Localizer::Impl {
             : match_sampled(local, index, params.min_votes, max_matches, sampling);
     for (const DescriptorMatch& match : matches) {
       std::vector<Correspondence> correspondences;
-      for (const auto& [m, n] : pairs_of(match, local, global)) {
-        correspondences.push_back({features[m].position, maps[map]->features()[n].position});
+      const std::vector<Feature>& mapped = maps[map]->features();
+      const auto global = describe_one(mapped, match.global_feature, index.params());
+      for (const auto& [m, n] :
+           pairs_of(match, local[match.local_feature], global, local.angle_bins())) {
+        correspondences.push_back({features[m].position, mapped[n].position});
       }
       PoseEstimatorParams estimator = params.estimator;
       estimator.seed = params.seed;

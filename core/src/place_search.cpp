@@ -224,6 +224,15 @@ PlaceSearch::PlaceSearch(const ClassField& classes) : T_map_grid_(inverse(classe
   way_ = make_pyramid(pooled(classes, way_values()), way_values()[ClassField::kOutside]);
 }
 
+std::size_t PlaceSearch::bytes() const {
+  std::size_t sum = 0;
+  for (const Pyramid* pyramid : {&ends_, &way_}) {
+    for (const auto& blocks : pyramid->blocks_below) sum += blocks.size() * sizeof(blocks[0]);
+    sum += pyramid->top_by_phase.size();
+  }
+  return sum;
+}
+
 std::vector<std::uint8_t> PlaceSearch::pooled(
     const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const {
   const int fine_per_cell = static_cast<int>(std::lround(cell_m_ / classes.resolution()));

@@ -25,6 +25,9 @@ struct DescriptorParams {
   friend bool operator==(const DescriptorParams&, const DescriptorParams&) = default;
 };
 
+/// nAngle of algorithm 3: bins in a full turn.
+[[nodiscard]] int angle_bins(const DescriptorParams& params);
+
 /// (d_im, a_im, m) of algorithm 2, in bins.
 struct DescriptorEntry {
   std::uint16_t distance_bin = 0;
@@ -45,8 +48,7 @@ struct DescriptorSet {
   [[nodiscard]] std::span<const DescriptorEntry> operator[](std::size_t feature) const {
     return std::span(entries).subspan(offsets[feature], offsets[feature + 1] - offsets[feature]);
   }
-  /// nAngle of algorithm 3: bins in a full turn.
-  [[nodiscard]] int angle_bins() const;
+  [[nodiscard]] int angle_bins() const { return cornerfix::angle_bins(params); }
 };
 
 /// The first broken limit, or nothing.
@@ -56,5 +58,11 @@ struct DescriptorSet {
 /// features within max_distance_m of each other; nothing is compared to sort them.
 [[nodiscard]] DescriptorSet describe(std::span<const Feature> features,
                                      const DescriptorParams& params);
+
+/// The descriptor of one feature, its entries as in describe() but for the order of those in one
+/// distance bin. O(features).
+[[nodiscard]] std::vector<DescriptorEntry> describe_one(std::span<const Feature> features,
+                                                        std::size_t feature,
+                                                        const DescriptorParams& params);
 
 }  // namespace cornerfix

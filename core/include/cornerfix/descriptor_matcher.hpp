@@ -52,6 +52,9 @@ class DescriptorIndex {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] const DescriptorParams& params() const { return params_; }
   [[nodiscard]] std::size_t angle_bins() const { return angle_bins_; }
+  [[nodiscard]] std::size_t bytes() const {
+    return offsets_.size() * sizeof(offsets_[0]) + slots_.size() * sizeof(slots_[0]);
+  }
 
   [[nodiscard]] std::size_t block_size() const { return block_size_; }
   [[nodiscard]] std::size_t block_count() const { return block_count_; }
@@ -110,7 +113,9 @@ class DescriptorIndex {
 [[nodiscard]] std::size_t sample_count(const SampledMatchParams& params, std::size_t local_count);
 
 /// The pairs behind a match, with (local_feature, global_feature) itself added in front.
-[[nodiscard]] FeaturePairs pairs_of(const DescriptorMatch& match, const DescriptorSet& local,
-                                    const DescriptorSet& global);
+/// `local` and `global` are the descriptors of its two features.
+[[nodiscard]] FeaturePairs pairs_of(const DescriptorMatch& match,
+                                    std::span<const DescriptorEntry> local,
+                                    std::span<const DescriptorEntry> global, int angle_bins);
 
 }  // namespace cornerfix

@@ -62,6 +62,7 @@ class ClassField {
   [[nodiscard]] double resolution() const { return resolution_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] std::size_t bytes() const { return classes_.size(); }
 
   /// Both classes as stored: the end class in the low nibble, the pass class in the high one.
   [[nodiscard]] std::uint8_t packed(int column, int row) const { return at(column, row); }

@@ -13,7 +13,8 @@
 
 namespace cornerfix {
 
-/// Content of one revision of a map with the distance field made from its grid.
+/// Content of one revision of a map with what is made from it to search it and to judge poses.
+/// Descriptors are kept only as their index; describe_one() makes one anew.
 class LocalizationMap {
  public:
   /// O(cells). `content.descriptors` must belong to `content.features`.
@@ -21,18 +22,21 @@ class LocalizationMap {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
-  [[nodiscard]] const std::vector<Feature>& features() const { return content_.features; }
-  [[nodiscard]] const DescriptorSet& descriptors() const { return content_.descriptors; }
+  [[nodiscard]] const std::vector<Feature>& features() const { return features_; }
   [[nodiscard]] const DescriptorIndex& descriptor_index() const { return descriptor_index_; }
-  [[nodiscard]] const OccupancyGrid& grid() const { return content_.grid; }
+  [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
   [[nodiscard]] const DistanceField& field() const { return field_; }
   [[nodiscard]] const ClassField& classes() const { return classes_; }
   [[nodiscard]] const PlaceSearch& place_search() const { return place_search_; }
 
+  /// What it keeps in memory.
+  [[nodiscard]] std::size_t bytes() const;
+
  private:
   std::string name_;
   std::uint64_t revision_;
-  MapContent content_;
+  std::vector<Feature> features_;
+  OccupancyGrid grid_;
   DescriptorIndex descriptor_index_;
   DistanceField field_;
   ClassField classes_;

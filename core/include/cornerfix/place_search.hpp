@@ -52,6 +52,8 @@ class PlaceSearch {
                                    std::span<const Point2> way_base_link, int max_points,
                                    const Pose2& T_map_base_link) const;
 
+  [[nodiscard]] std::size_t bytes() const;
+
  private:
   /// Maxima over blocks of 1, 2, 4 … cells. The top level lies by phase, so that the blocks of a
   /// row are side by side in memory; below it each word holds the four blocks that make a larger

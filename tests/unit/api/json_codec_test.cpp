@@ -135,7 +135,7 @@ TEST(RenderFeatures, KeepsTheIdsOfThoseInTheBox) {
 
 TEST(RenderDescriptor, HasAnEntryForEachOtherFeature) {
   const std::vector<Feature> features{{.position = {0.0, 0.0}}, {.position = {1.0, 0.0}}};
-  const Json json = render_descriptor(4, 1, describe(features, DescriptorParams{}));
+  const Json json = render_descriptor(4, 1, {}, describe_one(features, 1, {}));
   EXPECT_EQ(json.at("feature"), 1);
   ASSERT_EQ(json.at("entries").size(), 1U);
   EXPECT_EQ(json.at("entries").at(0).at("feature"), 0);

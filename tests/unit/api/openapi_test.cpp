@@ -300,8 +300,8 @@ TEST(OpenapiSchema, IsWhatMapsFit) {
 TEST(OpenapiSchema, IsWhatFeaturesFit) {
   const std::vector<Feature> features{{.position = {0.0, 0.0}}, {.position = {1.0, 0.0}}};
   EXPECT_THAT(misfits("FeatureList", render_features(1, features, std::nullopt)), IsEmpty());
-  const DescriptorSet descriptors = describe(features, DescriptorParams{});
-  EXPECT_THAT(misfits("Descriptor", render_descriptor(1, 0, descriptors)), IsEmpty());
+  const auto descriptor = describe_one(features, 0, {});
+  EXPECT_THAT(misfits("Descriptor", render_descriptor(1, 0, {}, descriptor)), IsEmpty());
 }
 
 TEST(OpenapiSchema, IsWhatSessionsFit) {

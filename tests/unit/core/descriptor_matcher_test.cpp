@@ -297,7 +297,8 @@ TEST(PairsOf, AreThoseThatVotedWithTheMatchItselfInFront) {
   const DescriptorSet global = describe(maps.global, {});
   const auto matches = match_exhaustive(local, global, 6, 1);
   ASSERT_EQ(matches.size(), 1U);
-  const FeaturePairs pairs = pairs_of(matches[0], local, global);
+  const FeaturePairs pairs = pairs_of(matches[0], local[matches[0].local_feature],
+                                      global[matches[0].global_feature], local.angle_bins());
   ASSERT_EQ(static_cast<int>(pairs.size()), matches[0].votes + 1);
   EXPECT_EQ(pairs[0], std::pair(matches[0].local_feature, matches[0].global_feature));
   const auto is_true = [](const auto& pair) { return pair.first == pair.second; };

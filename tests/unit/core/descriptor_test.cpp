@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
 
 #include "support/random_features.hpp"
 
@@ -113,6 +114,19 @@ TEST(Descriptor, WorksWithAnOddNumberOfAngleBins) {
   EXPECT_EQ(set.angle_bins(), 45);
   for (std::size_t i = 0; i < set.size(); ++i) {
     EXPECT_EQ(by_feature(set[i]), described_by_hand(features, i, params));
+  }
+}
+
+TEST(Descriptor, OfOneFeatureIsThatOfAll) {
+  std::mt19937_64 random(3);
+  std::vector<Feature> features = testing::random_features(60, 30.0, random);
+  features[7].position.x() = features[8].position.x();  // a pair that only their order sorts
+  const DescriptorParams params{.max_distance_m = 12.0};
+  const DescriptorSet all = describe(features, params);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const auto one = describe_one(features, i, params);
+    EXPECT_THAT(one, ::testing::UnorderedElementsAreArray(all[i])) << "feature " << i;
+    EXPECT_TRUE(std::ranges::is_sorted(one, {}, &DescriptorEntry::distance_bin));
   }
 }
 
