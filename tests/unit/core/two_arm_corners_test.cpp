@@ -246,7 +246,7 @@ std::vector<Corner> strongest_within_1_m(std::vector<Corner> corners) {
 Scores scores_in_figure7_room(std::size_t beams, double noise_m) {
   const auto scene = figure7_room();
   double found = 0.0, right = 0.0, visible = 0.0, recalled = 0.0, errors = 0.0, mahalanobis = 0.0;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> offset(-1.0, 1.0);
     const Pose2 T_map_laser{7.5 + offset(random), 5.0 + offset(random), kPi * offset(random)};
