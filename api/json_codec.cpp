@@ -68,6 +68,8 @@ Json feature_json(std::size_t id, const Feature& feature) {
           {"angle", number(feature.turn_angle)},
           {"weight", number(feature.weight)},
           {"bisector", number(feature.bisector)},
+          {"convex", feature.convex},
+          {"sigma", feature.sigma_m > 0.0 ? number(feature.sigma_m) : Json(nullptr)},
           {"count", feature.count}};
 }
 

@@ -36,6 +36,7 @@ void visit_members(AcceptanceParams& params, Visitor&& visit) {
 template <typename Visitor>
 void visit_members(LocalizerParams& params, Visitor&& visit) {
   visit("method", params.method);
+  visit("extractor", params.extractor);
   visit("seed", params.seed);
   visit("min_features", params.min_features);
   visit("min_votes", params.min_votes);
@@ -70,6 +71,7 @@ void visit_members(MapperParams& params, Visitor&& visit) {
   visit("key_frame_distance_m", params.key_frame_distance_m);
   visit("key_frame_angle_rad", params.key_frame_angle_rad);
   visit("min_feature_count", params.min_feature_count);
+  visit("extractor", params.extractor);
   visit("grid", params.grid);
   visit("features", params.features);
   visit("descriptors", params.descriptors);
@@ -106,11 +108,19 @@ class Reader {
     if (const auto count = field.as_count(0, kMost)) member = *count;
   }
   static void read(const JsonField& field, Method& member) {
+    read_name(field, member, method_from_string, "must be indexed, rma or nma");
+  }
+  static void read(const JsonField& field, CornerExtractor& member) {
+    read_name(field, member, corner_extractor_from_string, "must be two_arm or vfp");
+  }
+  template <typename Enum, typename FromString>
+  static void read_name(const JsonField& field, Enum& member, FromString from_string,
+                        const char* expected) {
     const auto* name = field.json().get_ptr<const std::string*>();
-    if (const auto method = name != nullptr ? method_from_string(*name) : std::nullopt) {
-      member = *method;
+    if (const std::optional<Enum> known = name != nullptr ? from_string(*name) : std::nullopt) {
+      member = *known;
     } else {
-      field.fail("must be rma or nma");
+      field.fail(expected);
     }
   }
   template <typename Nested>
@@ -147,6 +157,7 @@ class Writer {
   static nlohmann::ordered_json write(int member) { return member; }
   static nlohmann::ordered_json write(std::uint64_t member) { return member; }
   static nlohmann::ordered_json write(Method member) { return to_string(member); }
+  static nlohmann::ordered_json write(CornerExtractor member) { return to_string(member); }
   template <typename Nested>
   static nlohmann::ordered_json write(Nested& member) {
     Writer writer;

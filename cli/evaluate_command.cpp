@@ -16,6 +16,7 @@ struct EvaluateArguments {
   std::string map_log;
   std::string other_map_log;
   std::string method = std::string(to_string(LocalizerParams{}.method));
+  std::string extractor = std::string(to_string(LocalizerParams{}.extractor));
   std::string csv;
   std::string samples;
   bool no_odometry = false;
@@ -64,6 +65,10 @@ int run_evaluate(EvaluateArguments& arguments) {
   const auto method = method_from_string(arguments.method);
   if (!method) throw CLI::ValidationError("--method", "unknown method " + arguments.method);
   options.localizer.method = *method;
+  const auto extractor = corner_extractor_from_string(arguments.extractor);
+  if (!extractor)
+    throw CLI::ValidationError("--extractor", "unknown extractor " + arguments.extractor);
+  options.mapper.extractor = options.localizer.extractor = *extractor;
   options.use_odometry = !arguments.no_odometry;
   options.sample = !arguments.samples.empty();
 
@@ -138,6 +143,7 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command->add_option("--batch", options.batch, "Scans a question");
   command->add_option("--method", arguments->method,
                       "Where hypotheses come from: indexed, rma or nma");
+  command->add_option("--extractor", arguments->extractor, "How corners are found: two_arm or vfp");
   command->add_option("--threads", options.threads, "Robots at once");
   command->add_flag("--no-odom", arguments->no_odometry, "Ask without odometry");
   command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");

@@ -14,10 +14,11 @@
 namespace cornerfix::storage {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kHeaderSize = 2;  // Version, kind.
 constexpr std::size_t kChecksumSize = 4;
-constexpr std::size_t kFeatureSize = 44;
+// Version 1 knew neither sense nor sigma.
+constexpr std::size_t kFeatureSize1 = 44;
+constexpr std::size_t kFeatureSize = 53;
 constexpr std::size_t kDescriptorEntrySize = 8;
 constexpr std::size_t kSubmapScanKeySize = 12;
 // What deflate can expand to at most (zlib's technical notes), so that a small BLOB cannot claim a
@@ -33,6 +34,9 @@ enum class Kind : std::uint8_t {
   kSubmapScan = 5,
   kLocalizerState = 6,
 };
+
+/// The version that is written. All before it can be read.
+constexpr std::uint8_t newest_version(Kind kind) { return kind == Kind::kFeatures ? 2 : 1; }
 
 template <std::unsigned_integral T>
 void store_little_endian(std::uint8_t* to, T value) {
@@ -58,7 +62,7 @@ class Writer {
  public:
   Writer(Kind kind, std::size_t payload_size) {
     bytes_.reserve(kHeaderSize + payload_size + kChecksumSize);
-    integer(kVersion);
+    integer(newest_version(kind));
     integer(static_cast<std::uint8_t>(kind));
   }
 
@@ -167,9 +171,9 @@ Error inconsistent(std::string_view what) { return corrupt(what, "fields contrad
 /// The payload of `blob` if its version, kind and checksum are right.
 Result<Reader> open_blob(Kind kind, std::string_view what, BlobView blob) {
   if (blob.size() < kHeaderSize + kChecksumSize) return corrupt(what, "cut short");
-  if (blob[0] != kVersion) {
-    return corrupt(what,
-                   "version " + std::to_string(blob[0]) + ", expected " + std::to_string(kVersion));
+  if (blob[0] < 1 || blob[0] > newest_version(kind)) {
+    return corrupt(what, "version " + std::to_string(blob[0]) + ", known up to " +
+                             std::to_string(newest_version(kind)));
   }
   if (blob[1] != static_cast<std::uint8_t>(kind)) return corrupt(what, "bytes of another kind");
   const BlobView content = blob.first(blob.size() - kChecksumSize);
@@ -266,6 +270,8 @@ Blob encode_features(std::span<const Feature> features) {
       writer.real(value);
     }
     writer.signed_integer(feature.count);
+    writer.integer(static_cast<std::uint8_t>(feature.convex));
+    writer.real(feature.sigma_m);
   }
   return std::move(writer).finish();
 }
@@ -273,13 +279,17 @@ Blob encode_features(std::span<const Feature> features) {
 Result<std::vector<Feature>> decode_features(BlobView blob) {
   Result<Reader> reader = open_blob(Kind::kFeatures, "features", blob);
   if (!reader) return reader.error();
-  std::vector<Feature> features(reader->count(kFeatureSize));
+  const bool first_version = blob[0] == 1;
+  std::vector<Feature> features(reader->count(first_version ? kFeatureSize1 : kFeatureSize));
   for (Feature& feature : features) {
     for (double* field : {&feature.position.x(), &feature.position.y(), &feature.turn_angle,
                           &feature.bisector, &feature.weight}) {
       *field = reader->real();
     }
     feature.count = reader->signed_integer();
+    if (first_version) continue;
+    feature.convex = reader->integer<std::uint8_t>() != 0;
+    feature.sigma_m = reader->real();
   }
   if (!reader->finished()) return inconsistent("features");
   return features;

@@ -8,6 +8,17 @@
 
 namespace cornerfix {
 
+namespace {
+
+constexpr double kSameDirection = 0.6;  // [rad]; the corners of a pillar are further apart
+
+bool is_seen_again(const Feature& feature, const Feature& corner) {
+  return feature.sigma_m > 0.0 && corner.sigma_m > 0.0 && feature.convex == corner.convex &&
+         std::abs(wrap_angle(feature.bisector - corner.bisector)) < kSameDirection;
+}
+
+}  // namespace
+
 Feature transformed(const Pose2& T, Feature feature) {
   feature.position = T * feature.position;
   feature.bisector = wrap_angle(T.yaw + feature.bisector);
@@ -70,8 +81,12 @@ void FeatureMap::insert(const Feature& corner) {
   std::vector<std::size_t> near = neighbors(corner.position);
   const bool strongest = std::ranges::all_of(
       near, [&](std::size_t index) { return features_[index].weight < corner.weight; });
+  const auto same = std::ranges::find_if(
+      near, [&](std::size_t index) { return is_seen_again(features_[index], corner); });
   if (near.empty()) {
     append(corner);
+  } else if (same != near.end()) {
+    fuse(*same, corner);
   } else if (strongest) {
     absorb(std::move(near), corner);
   } else {
@@ -84,6 +99,29 @@ void FeatureMap::append(const Feature& corner) {
   features_.push_back(corner);
   features_.back().count = 1;
   last_scan_.push_back(scan_);
+}
+
+void FeatureMap::fuse(std::size_t index, const Feature& corner) {
+  Feature& feature = features_[index];
+  const double known = 1.0 / (feature.sigma_m * feature.sigma_m);
+  const double seen = 1.0 / (corner.sigma_m * corner.sigma_m);
+  const double share = seen / (known + seen);
+  feature.bisector =
+      wrap_angle(feature.bisector + share * wrap_angle(corner.bisector - feature.bisector));
+  feature.turn_angle = std::lerp(feature.turn_angle, corner.turn_angle, share);
+  feature.weight = std::max(feature.weight, corner.weight);
+  feature.sigma_m = 1.0 / std::sqrt(known + seen);
+  count_scan(index);
+  move(index, feature.position + share * (corner.position - feature.position));
+}
+
+/// Stays where it is if it came within the radius of another feature.
+void FeatureMap::move(std::size_t index, const Point2& position) {
+  const std::vector<std::size_t> near = neighbors(position);
+  if (near.size() > 1 || (near.size() == 1 && near.front() != index)) return;
+  forget_cell(index);
+  features_[index].position = position;
+  cells_.emplace(cell_of(position), index);
 }
 
 void FeatureMap::absorb(std::vector<std::size_t> weaker, const Feature& corner) {

@@ -249,8 +249,8 @@ struct Localizer::Impl {
     submap.keep(std::move(kept), corners_of(robot_scan.scan));
   }
 
-  static std::vector<Feature> corners_of(const LaserScan& scan) {
-    return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
+  [[nodiscard]] std::vector<Feature> corners_of(const LaserScan& scan) const {
+    return extract_corners(scan, params.extractor);
   }
 
   // --- search
@@ -602,7 +602,7 @@ LocalizerState Localizer::state() const {
 void Localizer::restore(LocalizerState state) {
   reset();
   for (SubmapScan& scan : state.submap) {
-    std::vector<Feature> corners = Impl::corners_of(scan.scan);
+    std::vector<Feature> corners = impl_->corners_of(scan.scan);
     impl_->submap.keep(std::move(scan), std::move(corners), true);
   }
   impl_->submap.set_next_index(state.next_index);

@@ -57,8 +57,7 @@ bool Mapper::is_key_frame(const PosedScan& scan) const {
 
 void Mapper::add(PosedScan key_frame) {
   const Pose2 T_map_laser = key_frame.T_map_base_link * key_frame.T_base_link_laser;
-  std::vector<Feature> corners =
-      extract_vfp_corners(key_frame.scan, vfp_params_for(key_frame.scan.angle_increment));
+  std::vector<Feature> corners = extract_corners(key_frame.scan, params_.extractor);
   for (Feature& corner : corners) corner = transformed(T_map_laser, corner);
   features_.insert(corners);
   const Bounds seen = bounds_of(key_frame, params_.grid);

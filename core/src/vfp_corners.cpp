@@ -42,6 +42,7 @@ class VectorFilter {
     feature.weight = feature.turn_angle;
     const Point2 bisector = L + R;
     feature.bisector = std::atan2(bisector.y(), bisector.x());
+    feature.convex = bisector.dot(feature.position) > 0.0;
     return feature;
   }
 

@@ -21,10 +21,13 @@ namespace cornerfix {
 struct Feature {
   Point2 position = Point2::Zero();  ///< [m]
   double turn_angle = 0.0;  ///< a of eq. (6) [rad]: 0 on a straight wall, pi/2 at a right angle.
-  double bisector =
-      0.0;              ///< Heading of the bisector of the two arms, into the smaller angle [rad].
-  double weight = 0.0;  ///< Score that suppression compares: the largest a seen, by default.
-  int count = 1;        ///< Scans that showed it.
+  double bisector = 0.0;    ///< Heading of the bisector of the arms, into the smaller angle [rad].
+  double weight = 0.0;      ///< Score that suppression compares: the largest a seen.
+  int count = 1;            ///< Scans that showed it.
+  bool convex = false;      ///< It juts out towards who sees it; the corner of a room does not.
+  /// Standard deviation of the position in any direction, from the noise of the ranges alone [m]; 0
+  /// where the extractor does not tell.
+  double sigma_m = 0.0;
 };
 
 /// A feature of the source frame, in the target frame.
@@ -37,15 +40,18 @@ struct FeatureMapParams {
 /// The first broken limit, or nothing.
 [[nodiscard]] std::optional<Error> validate(const FeatureMapParams& params);
 
-/// Grows by the corners of scans; of near ones the one with the highest weight keeps its place, and
-/// no two features are ever within the suppression radius of each other.
+/// Grows by the corners of scans. A corner seen again, if both times its sigma is known, joins the
+/// feature's mean; of other near ones the one with the highest weight keeps its place. No two
+/// features are ever within the suppression radius of each other.
 /// Value type; not synchronised. Memory O(features); a corner costs O(1) on average, by a hash of
 /// cells.
 class FeatureMap {
  public:
   explicit FeatureMap(FeatureMapParams params = {});
 
-  /// Merges `corners`, given in this map's frame, seen in one scan. A corner weaker than a feature
+  /// Merges `corners`, given in this map's frame, seen in one scan. A corner of the same sense and
+  /// direction as a feature within the radius is that feature seen again: position, direction and
+  /// turn become the inverse-variance mean. Any other corner weaker than a feature
   /// within the radius adds to the count of the nearest one; a corner stronger than all of them
   /// takes their place and their counts. A scan adds at most one to a count. Positions must be
   /// finite and within 1e8 radii of the origin.
@@ -66,6 +72,8 @@ class FeatureMap {
   [[nodiscard]] std::vector<std::size_t> neighbors(const Point2& position) const;
   void insert(const Feature& corner);
   void append(const Feature& corner);
+  void fuse(std::size_t index, const Feature& corner);
+  void move(std::size_t index, const Point2& position);
   void absorb(std::vector<std::size_t> weaker, const Feature& corner);
   void remove(std::size_t index);
   void forget_cell(std::size_t index);

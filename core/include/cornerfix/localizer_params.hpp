@@ -5,10 +5,10 @@
 #include <optional>
 #include <string_view>
 
+#include <cornerfix/corner_extractor.hpp>
 #include <cornerfix/descriptor_matcher.hpp>
 #include <cornerfix/pose_estimator.hpp>
 #include <cornerfix/result.hpp>
-#include <cornerfix/vfp_corners.hpp>
 
 namespace cornerfix {
 
@@ -32,7 +32,8 @@ struct AcceptanceParams {
 
 struct LocalizerParams {
   Method method = Method::kIndexed;
-  std::uint64_t seed = 1;       ///< Of all random draws.
+  CornerExtractor extractor = CornerExtractor::kTwoArm;  ///< That of the maps, for good matches.
+  std::uint64_t seed = 1;                                ///< Of all random draws.
   int min_features = 4;         ///< Submap features before matching is tried; >= 3.
   int min_votes = 4;            ///< S_t of algorithm 3; >= 1.
   int max_matches = 8;          ///< Matches tried as hypotheses a scan; >= 1.

@@ -8,12 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include <cornerfix/corner_extractor.hpp>
 #include <cornerfix/descriptor.hpp>
 #include <cornerfix/feature_map.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/occupancy_grid.hpp>
 #include <cornerfix/occupancy_mapping.hpp>
-#include <cornerfix/vfp_corners.hpp>
 
 namespace cornerfix {
 
@@ -21,6 +21,7 @@ struct MapperParams {
   double key_frame_distance_m = 0.15;  ///< A scan this far from the last key frame is one; >= 0.
   double key_frame_angle_rad = 0.14;   ///< Or turned by this much; >= 0.
   int min_feature_count = 2;           ///< Key frames that must show a feature; >= 1.
+  CornerExtractor extractor = CornerExtractor::kTwoArm;
   OccupancyMappingParams grid{};
   FeatureMapParams features{};
   DescriptorParams descriptors{};

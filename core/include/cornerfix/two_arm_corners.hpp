@@ -31,7 +31,7 @@ struct TwoArmParams {
   double max_arm_length_m = 2.0;      ///< Of the grown arms; >= arm_length_m.
   int min_arm_points = 3;             ///< >= 3
   double min_first_gain = 14.0;       ///< Before growth: low, or obtuse corners are lost; > 0.
-  double min_gain = 50.0;             ///< After growth; > 0.
+  double min_gain = 30.0;             ///< After growth; > 0.
   double min_turn_angle_rad = 0.436;  ///< 25 deg; in (0, pi).
   double min_incidence_rad = 0.105;   ///< 6 deg: flatter arms are unreliable; in [0, pi/2).
 };

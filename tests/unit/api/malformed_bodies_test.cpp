@@ -341,6 +341,7 @@ constexpr Case kWrongMembers[] = {
     {"UnknownOptionWithASlash", R"("options": {"a/b~c": 2})", 422, "/options/a~1b~0c"},
     {"UnknownNestedOption", R"("options": {"acceptance": {"p": 2}})", 422, "/options/acceptance/p"},
     {"UnknownMethod", R"("options": {"method": "sift"})", 422, "/options/method"},
+    {"UnknownExtractor", R"("options": {"extractor": "sift"})", 422, "/options/extractor"},
     {"MethodANumber", R"("options": {"method": 1})", 422, "/options/method"},
     {"SeedNegative", R"("options": {"seed": -1})", 422, "/options/seed"},
     {"OptionOutOfRange", R"("options": {"min_features": 0})", 422, "/options/min_features"},
@@ -536,7 +537,7 @@ TEST(ManyErrors, AreListedUpToTwenty) {
 TEST(UnknownOption, TellsTheKnownOnes) {
   const auto parsed = parse_create_session(session(R"("options": {"x": 1})"), BodyFormat::kJson);
   const auto& problem = std::get<Problem>(parsed);
-  EXPECT_NE(problem.detail.find("method, seed"), std::string::npos) << problem.detail;
+  EXPECT_NE(problem.detail.find("method, extractor"), std::string::npos) << problem.detail;
 }
 
 }  // namespace

@@ -255,7 +255,7 @@ TEST(PutMap, KeepsTextsThatGiveTheSameValuesBack) {
       R"({"description": "Büro 2", "lidar": {"angle_min": -1.5, "angle_increment": 0.01,
           "range_min": 0.05, "range_max": 30, "beams": 300,
           "mount": {"x": 0.1, "y": 0.2, "yaw": 4}},
-          "parameters": {"key_frame_distance_m": 0.5, "grid": {"resolution_m": 0.1}}})",
+          "parameters": {"key_frame_distance_m": 0.5, "extractor": "vfp", "grid": {"resolution_m": 0.1}}})",
       BodyFormat::kJson));
   EXPECT_EQ(request.description, "Büro 2");
   const auto lidar = lidar_from_json(request.lidar_json.value_or(""));
@@ -265,6 +265,7 @@ TEST(PutMap, KeepsTextsThatGiveTheSameValuesBack) {
   const MapperParams params = mapper_params_from_json(request.parameters_json.value_or(""));
   EXPECT_EQ(params.key_frame_distance_m, 0.5);
   EXPECT_EQ(params.grid.resolution_m, 0.1);
+  EXPECT_EQ(params.extractor, CornerExtractor::kVfp);
   EXPECT_EQ(params.min_feature_count, MapperParams{}.min_feature_count);
 }
 
@@ -300,12 +301,13 @@ TEST(CreateSession, TakesOneMapSomeMapsOrAll) {
 }
 
 TEST(CreateSession, AppliesOptionsToTheDefaults) {
-  const auto request =
-      taken(parse_create_session(std::string(R"({"robot": "r2", "lidar": )") + kLidarText +
-                                     R"(, "options": {"method": "nma", "seed": 18446744073709551615,
+  const auto request = taken(parse_create_session(
+      std::string(R"({"robot": "r2", "lidar": )") + kLidarText +
+          R"(, "options": {"method": "nma", "extractor": "vfp", "seed": 18446744073709551615,
                            "acceptance": {"min_probability": 0.99}, "min_votes": null}})",
-                                 BodyFormat::kJson));
+      BodyFormat::kJson));
   EXPECT_EQ(request.params.method, Method::kNma);
+  EXPECT_EQ(request.params.extractor, CornerExtractor::kVfp);
   EXPECT_EQ(request.params.seed, 18446744073709551615ULL);
   EXPECT_EQ(request.params.acceptance.min_probability, 0.99);
   EXPECT_EQ(request.params.min_votes, LocalizerParams{}.min_votes);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "support/matchers.hpp"
@@ -115,6 +117,63 @@ TEST(FeatureMap, HoldsTheStrongestCornerOfEveryNeighborhood) {
   }
   EXPECT_THAT(map.features(),
               ::testing::Contains(::testing::Field(&Feature::position, strongest.position)));
+}
+
+/// A corner whose sigma is known, as two arms tell it.
+Feature measured(const Point2& position, double sigma_m, double bisector = 0.0,
+                 bool convex = false) {
+  return {.position = position,
+          .turn_angle = 1.5,
+          .bisector = bisector,
+          .weight = 1.5,
+          .convex = convex,
+          .sigma_m = sigma_m};
+}
+
+TEST(FeatureMap, AveragesACornerSeenAgainByItsVariance) {
+  FeatureMap map;
+  insert(map, measured({1.0, 2.0}, 0.02, 3.1));
+  insert(map, measured({1.1, 2.0}, 0.01, -3.1));
+  ASSERT_EQ(map.features().size(), 1U);
+  const Feature& mean = map.features()[0];
+  EXPECT_THAT(mean.position, IsPointNear(Point2(1.08, 2.0), 1e-12));
+  EXPECT_NEAR(mean.bisector, wrap_angle(3.1 + 0.8 * (2.0 * std::numbers::pi - 6.2)), 1e-12);
+  EXPECT_NEAR(mean.sigma_m, 0.01 / std::sqrt(1.25), 1e-12);
+  EXPECT_EQ(mean.count, 2);
+}
+
+TEST(FeatureMap, NearsTheTruePlaceWithEveryScan) {
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> noise(0.0, 0.03);
+  FeatureMap map;
+  for (int scan = 0; scan < 400; ++scan)
+    insert(map, measured({5.0 + noise(random), -2.0 + noise(random)}, 0.03));
+  ASSERT_EQ(map.features().size(), 1U);
+  EXPECT_THAT(map.features()[0].position, IsPointNear(Point2(5.0, -2.0), 0.006));
+  EXPECT_NEAR(map.features()[0].sigma_m, 0.0015, 1e-6);
+  EXPECT_EQ(map.features()[0].count, 400);
+}
+
+TEST(FeatureMap, DoesNotAverageCornersOfAnotherSenseOrDirection) {
+  for (const Feature& other :
+       {measured({0.1, 0.0}, 0.01, 0.0, true), measured({0.1, 0.0}, 0.01, 1.5)}) {
+    FeatureMap map;
+    insert(map, measured({0.0, 0.0}, 0.01));
+    insert(map, other);
+    ASSERT_EQ(map.features().size(), 1U);
+    EXPECT_EQ(map.features()[0].position, Point2(0.0, 0.0));
+    EXPECT_EQ(map.features()[0].sigma_m, 0.01);
+  }
+}
+
+TEST(FeatureMap, KeepsItsDistancesWhenAMeanMoves) {
+  FeatureMap map({.suppression_radius_m = 0.5});
+  insert(map, measured({0.0, 0.0}, 0.01));
+  insert(map, measured({0.6, 0.0}, 0.01, 2.0));
+  insert(map, measured({0.4, 0.0}, 0.01));
+  ASSERT_EQ(map.features().size(), 2U);
+  EXPECT_EQ(map.features()[0].position, Point2(0.0, 0.0));
+  EXPECT_EQ(map.features()[0].count, 2);
 }
 
 TEST(FeatureMap, RefusesARadiusOfNothing) {

@@ -31,7 +31,8 @@ bool all_same(const std::vector<T>& a, const std::vector<T>& b, Equal equal) {
 bool is_same(const Feature& a, const Feature& b) {
   return same(a.position.x(), b.position.x()) && same(a.position.y(), b.position.y()) &&
          same(a.turn_angle, b.turn_angle) && same(a.bisector, b.bisector) &&
-         same(a.weight, b.weight) && a.count == b.count;
+         same(a.weight, b.weight) && a.count == b.count && a.convex == b.convex &&
+         same(a.sigma_m, b.sigma_m);
 }
 
 }  // namespace
@@ -99,7 +100,8 @@ MapContent sample_content(int features) {
   content.descriptors.params = {0.25, 0.0872664625997165, 40.0};
   content.descriptors.offsets.push_back(0);
   for (int i = 0; i < features; ++i) {
-    content.features.push_back({{0.1 * i, -0.0}, 1.5 + 0.01 * i, -3.0, 0.7 * i, i + 1});
+    content.features.push_back(
+        {{0.1 * i, -0.0}, 1.5 + 0.01 * i, -3.0, 0.7 * i, i + 1, i % 2 == 0, 0.01 * i});
     for (int other = 0; other < features; ++other) {
       if (other == i) continue;
       content.descriptors.entries.push_back({static_cast<std::uint16_t>(other * 3),
