@@ -11,7 +11,9 @@ namespace {
 
 // Matching a scan to the submap.
 constexpr std::size_t kMatchPoints = 360;  // evenly thinned; more do not make the pose better
-constexpr double kMinMatchedShare = 0.3;   // below this a scan does not belong to the submap
+constexpr double kMinMatchedShare = 0.3;   // below this a scan does not belong to the submap,
+constexpr double kMinUsualShare = 0.6;     // nor when it matches so much worse than usual
+constexpr double kUsualGain = 0.1;         // by which a scan changes what is usual
 constexpr int kMaxStrayScans =
     3;  // as many in a row: the robot was carried, the submap begins anew
 
@@ -145,9 +147,10 @@ struct Localizer::Impl {
   std::optional<double> last_stamp;
   std::optional<Pose2> last_T_odom_base_link;
   int stray_scans = 0;
-  int still_scans = 0;            ///< In a row that showed nothing new.
-  bool searched = false;          ///< At this scan.
-  std::size_t searched_ends = 0;  ///< Evidence at the last search of the whole map.
+  std::optional<double> usual_share;  ///< Of a scan's points that match the submap.
+  int still_scans = 0;                ///< In a row that showed nothing new.
+  bool searched = false;              ///< At this scan.
+  std::size_t searched_ends = 0;      ///< Evidence at the last search of the whole map.
   double searched_way_m = 0.0;
   double rival_margin = kRivalMargin;  ///< Farther below the best, a beam end, none was looked for.
 
@@ -158,6 +161,7 @@ struct Localizer::Impl {
 
   std::optional<Candidate> fix;  ///< While localized.
   Eigen::Matrix3d fix_information = Eigen::Matrix3d::Zero();
+  std::optional<double> usual_fit;  ///< Share of a scan's ends on mapped ground that are on walls.
   double misfit_way_m = 0.0;
   int misfits = 0;
 
@@ -213,7 +217,7 @@ struct Localizer::Impl {
     if (!points.empty()) {
       const RefinedPose matched =
           submap.match(points, odometry_prior(now_at, motion, has_odometry));
-      if (matched.inlier_share >= kMinMatchedShare) {
+      if (belongs_to_submap(matched.inlier_share)) {
         now_at = matched.T_frame_base_link;
         stray_scans = 0;
       } else if (++stray_scans >= kMaxStrayScans) {
@@ -228,12 +232,20 @@ struct Localizer::Impl {
     if (fix) misfit_way_m += step;
   }
 
+  bool belongs_to_submap(double matched_share) {
+    const double usual = usual_share.value_or(matched_share);
+    usual_share = usual + kUsualGain * (matched_share - usual);
+    return matched_share >= std::max(kMinMatchedShare, kMinUsualShare * usual);
+  }
+
   /// The scans no longer continue the submap: whatever was known from it is void.
   void restart_submap() {
     submap = Submap();
     T_submap_base_link = {};
     last_motion = {};
     stray_scans = 0;
+    usual_share.reset();
+    usual_fit.reset();
     searched_ends = 0;
     candidates.clear();
     confidence = 0.0;
@@ -504,7 +516,11 @@ struct Localizer::Impl {
       fix_information = refined.information;
     }
     if (news) fix->score = score_evidence(map.classes(), submap.evidence(), fix->T_map_submap);
-    const bool fits = fit.matched >= kMinFitShare && fit.contradicted <= kMaxContradictedShare;
+    const double matched_of_mapped = fit.matched / std::max(0.2, 1.0 - fit.unmapped);
+    const double usual = usual_fit.value_or(matched_of_mapped);
+    const bool fits = fit.matched >= kMinFitShare && fit.contradicted <= kMaxContradictedShare &&
+                      matched_of_mapped >= kMinUsualShare * usual;
+    if (fits) usual_fit = usual + kUsualGain * (matched_of_mapped - usual);
     if (fits) {
       misfits = 0;
       misfit_way_m = 0.0;

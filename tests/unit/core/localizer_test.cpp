@@ -203,6 +203,39 @@ TEST(Localizer, FindsARobotWithOdometryThatIsTenPerCentOff) {
   }
 }
 
+TEST(Localizer, FindsARobotWhoseWheelsSlipped) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    std::vector<Moment> moments = room_drive(seed, 24);
+    for (std::size_t i = 8; i < moments.size(); ++i) {
+      Pose2& T_odom_base_link = *moments[i].scan.T_odom_base_link;
+      T_odom_base_link = Pose2{0.5, 0.0, 0.0} * T_odom_base_link;
+    }
+    const auto answers = answers_of({room_map(seed)}, with(Method::kIndexed), moments);
+    EXPECT_EQ(count_wrong(answers, moments), 0U) << "seed " << seed;
+    expect_localized_at(answers.back(), moments.back().T_map_base_link);
+  }
+}
+
+TEST(Localizer, FindsARobotWhoseScansAreLostOnTheWay) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    std::mt19937_64 random(seed);
+    std::vector<Moment> moments = room_drive(seed, 60);
+    std::erase_if(moments, [&](const Moment&) { return random() % 3 != 0; });
+    const auto answers = answers_of({room_map(seed)}, with(Method::kIndexed), moments);
+    EXPECT_EQ(count_wrong(answers, moments), 0U) << "seed " << seed;
+    expect_localized_at(answers.back(), moments.back().T_map_base_link);
+  }
+}
+
+TEST(Localizer, ALidarThatIsMountedUpsideDownIsNotTrusted) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    std::vector<Moment> moments = room_drive(seed, 16);
+    for (Moment& moment : moments) std::ranges::reverse(moment.scan.scan.ranges);
+    const auto answers = answers_of({room_map(seed)}, with(Method::kIndexed), moments);
+    EXPECT_EQ(count(answers, Status::kLocalized), 0U) << "seed " << seed;
+  }
+}
+
 TEST(Localizer, FindsTheRobotAmongThingsTheMapDoesNotKnow) {
   const SceneBuilder today =
       testing::random_room(5).box({1.5, 0.5}, {0.5, 0.5}, 0.3).box({-1.2, -1.6}, {0.4, 0.6}, 1.0);
