@@ -412,7 +412,8 @@ struct Localizer::Impl {
     });
     candidates.clear();
     for (const Candidate& candidate : found) {
-      if (candidates.size() == kMaxCandidates) break;
+      const double least = found.front().score.fit - kRivalMargin * found.front().score.ends;
+      if (candidates.size() == kMaxCandidates || candidate.score.fit < least) break;
       Candidate* same = find_same_place(candidate);
       if (same == nullptr) {
         candidates.push_back(candidate);
