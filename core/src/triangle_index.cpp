@@ -8,7 +8,6 @@
 #include <iterator>
 #include <numbers>
 #include <random>
-#include <ranges>
 #include <utility>
 
 #include <cornerfix/pose_estimator.hpp>
@@ -40,12 +39,13 @@ std::vector<Point2> positions(std::span<const Feature> features) {
 double reach_of(std::span<const Point2> points, std::size_t k) {
   constexpr std::size_t kSample = 101;
   std::vector<double> reaches;
+  std::vector<double> distances(points.size());
   std::vector<double> nearest(std::min(k + 1, points.size()));  // the point itself is the first
   if (nearest.size() < 2) return 0.0;
   for (std::size_t i = 0; i < points.size(); i += points.size() / kSample + 1) {
-    const auto distances = std::views::transform(
-        points, [&](const Point2& p) { return (p - points[i]).squaredNorm(); });
-    std::ranges::partial_sort_copy(distances, nearest);
+    std::ranges::transform(points, distances.begin(),
+                           [&](const Point2& p) { return (p - points[i]).squaredNorm(); });
+    std::partial_sort_copy(distances.begin(), distances.end(), nearest.begin(), nearest.end());
     reaches.push_back(std::sqrt(nearest.back()));
   }
   const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);

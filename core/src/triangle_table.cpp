@@ -104,8 +104,8 @@ Pose2 TriangleTable::frame_of(const Stored& stored) const {
 }
 
 std::size_t TriangleTable::row_of(bool counter_clockwise, int longest_bin, int middle_bin) const {
-  return static_cast<std::size_t>(((counter_clockwise ? bins_ : 0) + longest_bin) * bins_ +
-                                  middle_bin);
+  const int row = ((counter_clockwise ? bins_ : 0) + longest_bin) * bins_ + middle_bin;
+  return static_cast<std::size_t>(row);
 }
 
 void TriangleTable::sort(const BySense& collected) {
