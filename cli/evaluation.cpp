@@ -237,6 +237,7 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
   for (std::size_t i = begin; i < log.scans.size(); ++i) {
     if (log.scans[i].T_map_laser) order.push_back(i);
   }
+  if (order.empty()) return {};
   const std::size_t usable = order.size() > options.batch ? order.size() - options.batch : 1;
   const std::size_t count = std::min(options.starts, usable);
   std::vector<StartRecord> records(count);

@@ -506,7 +506,10 @@ struct Localizer::Impl {
   void track(const std::vector<Point2>& points, bool news) {
     const LocalizationMap& map = *maps[fix->map];
     const Pose2 predicted = fix->T_map_submap * T_submap_base_link;
-    if (points.empty()) return;
+    if (points.empty()) {
+      miss(Reason::kNoReturns);
+      return;
+    }
     const PosePrior prior{predicted, 0.05, 0.02};
     const RefinedPose refined =
         refine_pose(map.field(), points, predicted, {.kernel_m = 0.15, .max_iterations = 8}, prior);
@@ -527,10 +530,14 @@ struct Localizer::Impl {
       misfit_way_m = 0.0;
       return;
     }
-    ++misfits;
-    if (misfit_way_m > kMaxMisfitWay || misfits > kMaxMisfits) {
-      restart_submap();
-    }
+    miss(Reason::kContradicted);
+  }
+
+  /// A scan that does not confirm the pose; too many in a row take it back.
+  void miss(Reason why) {
+    if (misfit_way_m <= kMaxMisfitWay && ++misfits <= kMaxMisfits) return;
+    restart_submap();
+    reason = why;
   }
 
   [[nodiscard]] std::array<double, 9> covariance() const {

@@ -145,7 +145,8 @@ std::optional<Error> validate(const PoseEstimatorParams& params) {
     return broken("inlier_distance_m", "must be a finite length in metres above 0");
   }
   if (params.min_inliers < 2) return broken("min_inliers", "must be at least 2");
-  if (params.max_iterations < 1) return broken("max_iterations", "must be at least 1");
+  if (params.max_iterations < 1 || params.max_iterations > 10'000)
+    return broken("max_iterations", "must be in [1, 10000]");
   return std::nullopt;
 }
 

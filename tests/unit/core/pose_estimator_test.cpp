@@ -164,6 +164,7 @@ TEST(PoseEstimatorParams, NameTheBrokenLimit) {
   EXPECT_EQ(validate(PoseEstimatorParams{.inlier_distance_m = 0.0})->field, "inlier_distance_m");
   EXPECT_EQ(validate(PoseEstimatorParams{.min_inliers = 1})->field, "min_inliers");
   EXPECT_EQ(validate(PoseEstimatorParams{.max_iterations = 0})->field, "max_iterations");
+  EXPECT_EQ(validate(PoseEstimatorParams{.max_iterations = 10001})->field, "max_iterations");
 }
 
 }  // namespace
