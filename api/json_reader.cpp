@@ -1,7 +1,9 @@
 #include "api/json_reader.hpp"
 
 #include <simdjson.h>
+
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace cornerfix::api {
@@ -95,7 +97,10 @@ bool read_json(std::string_view text, DocumentBuilder& builder) {
     ondemand::parser parser;
     ondemand::document document = parser.iterate(padded);
     // A lone number or string is no request; simdjson has no generic value for it.
-    if (document.is_scalar()) return malformed("it must be an object", builder);
+    if (document.is_scalar()) {
+      if (!nlohmann::json::accept(text)) return malformed("it must be an object", builder);
+      return builder.fail(make_problem(ErrorCode::kInvalidArgument, "The body must be an object."));
+    }
     if (!walk(document.get_value(), builder)) return false;
     if (document.current_location().error() != simdjson::OUT_OF_BOUNDS) {
       return malformed("there is more after its end", builder);

@@ -121,10 +121,12 @@ INSTANTIATE_TEST_SUITE_P(Unparsable, ScansOfABatch, testing::ValuesIn(kUnparsabl
 constexpr Case kNoObject[] = {
     {"Array", R"([{"stamp": 1, "ranges": [1, 2, 3]}])", 422},
     {"EmptyArray", "[]", 422},
-    {"Number", "17", 400},
-    {"String", R"("scan")", 400},
-    {"Null", "null", 400},
-    {"True", "true", 400},
+    {"Number", "17", 422},
+    {"String", R"("scan")", 422},
+    {"Null", "null", 422},
+    {"True", "true", 422},
+    {"NearlyTrue", "tru", 400},
+    {"Word", "nonsense", 400},
 };
 INSTANTIATE_TEST_SUITE_P(NoObject, SessionBatch, testing::ValuesIn(kNoObject), case_name);
 
