@@ -96,26 +96,22 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
   const double s = std::sin(T.yaw) * scale;
   const double x = T.x * scale;
   const double y = T.y * scale;
-  const auto column_of = [&](const Point2& p) {
-    return static_cast<int>(std::floor(x + c * p.x() - s * p.y()));
-  };
-  const auto row_of = [&](const Point2& p) {
-    return static_cast<int>(std::floor(y + s * p.x() + c * p.y()));
-  };
-  EvidenceScore score;
   const auto in_cells = [&](const Point2& p) {
     return Point2{x + c * p.x() - s * p.y(), y + s * p.x() + c * p.y()};
   };
+  const auto index = [](double cells) { return static_cast<int>(std::floor(cells)); };
+  EvidenceScore score;
   for (std::size_t i = 0; i < evidence.ends.size(); ++i) {
-    const Point2& p = evidence.ends[i];
-    std::size_t end_class = classes.end_class(column_of(p), row_of(p));
-    if (!evidence.origins.empty() &&
-        classes.wall_between(in_cells(evidence.origins[i]), in_cells(p)))
+    const Point2 end = in_cells(evidence.ends[i]);
+    std::size_t end_class = classes.end_class(index(end.x()), index(end.y()));
+    if (!evidence.origins.empty() && classes.wall_between(in_cells(evidence.origins[i]), end))
       end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
     ++score.end_counts[end_class];
   }
-  for (const Point2& p : evidence.free)
-    ++score.pass_counts[classes.pass_class(column_of(p), row_of(p))];
+  for (const Point2& p : evidence.free) {
+    const Point2 passed = in_cells(p);
+    ++score.pass_counts[classes.pass_class(index(passed.x()), index(passed.y()))];
+  }
   summarise(score);
   return score;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "thinned.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -43,14 +45,6 @@ struct Candidate {
   int inliers = 0;
   EvidenceScore score;
 };
-
-std::vector<Point2> thinned(const std::vector<Point2>& points, std::size_t count) {
-  if (points.size() <= count) return points;
-  std::vector<Point2> kept;
-  kept.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) kept.push_back(points[i * points.size() / count]);
-  return kept;
-}
 
 std::vector<Point2> transformed_points(const Pose2& T, const std::vector<Point2>& points) {
   std::vector<Point2> moved;
@@ -524,13 +518,13 @@ struct Localizer::Impl {
     const double usual = usual_fit.value_or(matched_of_mapped);
     const bool fits = fit.matched >= kMinFitShare && fit.contradicted <= kMaxContradictedShare &&
                       matched_of_mapped >= kMinUsualShare * usual;
-    if (fits) usual_fit = usual + kUsualGain * (matched_of_mapped - usual);
-    if (fits) {
-      misfits = 0;
-      misfit_way_m = 0.0;
+    if (!fits) {
+      miss(Reason::kContradicted);
       return;
     }
-    miss(Reason::kContradicted);
+    usual_fit = usual + kUsualGain * (matched_of_mapped - usual);
+    misfits = 0;
+    misfit_way_m = 0.0;
   }
 
   /// A scan that does not confirm the pose; too many in a row take it back.

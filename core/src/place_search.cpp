@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include "thinned.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -47,15 +49,6 @@ std::array<std::uint8_t, 256> way_values() {
                                              : kWayFree;
   }
   return values;
-}
-
-/// Every k-th of `points`, at most `count`.
-std::vector<Point2> thinned(std::span<const Point2> points, std::size_t count) {
-  std::vector<Point2> kept;
-  const std::size_t n = std::min(points.size(), count);
-  kept.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) kept.push_back(points[i * points.size() / n]);
-  return kept;
 }
 
 Point2 mean(std::span<const Point2> points) {
