@@ -36,14 +36,14 @@ struct EvidenceWeights {
   std::array<float, kEndClasses> ends;
   std::array<float, kPassClasses> passes;
 };
-/// ln(P(class | true pose) / P(class | best wrong pose)), learnt over all wrong poses: what the
-/// search ranks places by.
+/// ln(P(class | true pose) / P(class | plausible wrong pose)), learnt in one round of calibration:
+/// what the search ranks places by.
 inline constexpr EvidenceWeights kSearchWeights{
     {0.41F, -0.14F, -0.72F, -0.77F, -1.20F, -1.24F, -1.03F, -0.47F, -0.10F, -0.10F, -0.10F, -0.10F,
      -0.10F, -1.30F},
     {-0.90F, -0.62F, 0.11F, -0.44F}};
-/// The same, learnt over the wrong poses that such a search finds plausible: what tells the true
-/// one from its rivals.
+/// The same, learnt in the next round, over the places that a search by the first table finds: what
+/// tells the true one from its rivals.
 inline constexpr EvidenceWeights kRivalWeights{
     {0.35F, -0.12F, -0.63F, -0.68F, -1.11F, -1.20F, -1.16F, -0.90F, -0.10F, -0.10F, -0.10F, -0.10F,
      -0.10F, -1.30F},
@@ -102,13 +102,14 @@ struct EvidenceScore {
   double unmapped = 0.0;      ///< In unknown space.
 };
 
-/// `T_map_evidence` takes the evidence's frame into `map`. O(points), one look-up each.
+/// `T_map_evidence` takes the evidence's frame into `map`. One look-up a point, and a few along the
+/// beam of each end whose origin is known.
 [[nodiscard]] EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
                                            const Pose2& T_map_evidence);
 
 /// Probability that the best pose is the true one. `gap` is its log-likelihood less that of the
-/// best other pose. A logistic in the gap, the mean likelihood and the contradictions, fitted over
-/// logs (docs/algorithm.md).
+/// best other pose. A logistic in the gap, the contradictions and the share of unmapped ends,
+/// fitted over logs (docs/algorithm.md).
 [[nodiscard]] double probability_right(const EvidenceScore& best, double gap);
 
 /// The gap at which probability_right() reaches `probability`, in (0, 1).
