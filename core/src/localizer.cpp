@@ -1,11 +1,11 @@
 #include <cornerfix/localizer.hpp>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
 
+#include "pose_tracker.hpp"
 #include "thinned.hpp"
 
 namespace cornerfix {
@@ -27,16 +27,14 @@ constexpr double kDistinctDistance = 1.0;  // places nearer than this and
 constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
 constexpr std::size_t kRefinePoints = 200;
 constexpr double kRivalMargin =
-    0.5;  // mean log-likelihood below the best at which a rival cannot matter [nat]
+    0.75;  // mean log-likelihood below the best at which a rival cannot matter [nat]
 constexpr double kSearchSlack = 0.05;     // by which the search may misjudge a place [nat]
 constexpr double kMinRivalWeight = -0.5;  // below this a place is no candidate at all
 
-// Tracking.
-constexpr double kMinFitShare = 0.35;
-constexpr double kMaxContradictedShare = 0.4;
-constexpr double kMaxMisfitWay =
-    1.5;  // driven while the scans do not fit, until the pose is taken back [m]
-constexpr int kMaxMisfits = 20;  // or so many scans, when standing
+// Taking a pose back.
+constexpr double kMaxMisfitWay = 1.5;  // driven while the scans do not fit [m],
+constexpr int kMinMisfits = 2;         // as told by so many scans at least;
+constexpr int kMaxMisfits = 20;        // or so many scans, when standing
 
 struct Candidate {
   std::size_t map = 0;
@@ -85,8 +83,10 @@ Pose2 refined(const LocalizationMap& map, const View& view, Pose2 T_map_base_lin
 PosePrior odometry_prior(const Pose2& T_submap_base_link, const Pose2& motion, bool has_odometry) {
   const double way = std::hypot(motion.x, motion.y);
   const double turn = std::abs(motion.yaw);
-  if (has_odometry) return {T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way};
-  return {T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn};  // constant velocity is a guess
+  if (has_odometry)
+    return isotropic_prior(T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way);
+  // Constant velocity is a guess.
+  return isotropic_prior(T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn);
 }
 
 }  // namespace
@@ -154,8 +154,7 @@ struct Localizer::Impl {
   double confidence = 0.0;
 
   std::optional<Candidate> fix;  ///< While localized.
-  Eigen::Matrix3d fix_information = Eigen::Matrix3d::Zero();
-  std::optional<double> usual_fit;  ///< Share of a scan's ends on mapped ground that are on walls.
+  PoseTracker tracker;           ///< Of the fix.
   double misfit_way_m = 0.0;
   int misfits = 0;
 
@@ -182,11 +181,11 @@ struct Localizer::Impl {
 
     if (fix) {
       const double track_begin = now();
-      track(points, news);
+      track(robot_scan, points, news);
       times.track_ms = now() - track_begin;
     } else if (news) {
       search(times);
-      if (fix) track(points, false);
+      if (fix) track(robot_scan, points, false);
     } else if (submap.empty()) {
       reason = Reason::kNoReturns;
     } else if (still_scans >= kMaxStillScans && status == Status::kCollecting) {
@@ -223,7 +222,10 @@ struct Localizer::Impl {
     last_motion = inverse(before) * now_at;
     const double step = distance(before, now_at);
     way_m += step;
-    if (fix) misfit_way_m += step;
+    if (fix) {
+      misfit_way_m += step;
+      tracker.predict(last_motion, stray_scans == 0);
+    }
   }
 
   bool belongs_to_submap(double matched_share) {
@@ -239,7 +241,6 @@ struct Localizer::Impl {
     last_motion = {};
     stray_scans = 0;
     usual_share.reset();
-    usual_fit.reset();
     searched_ends = 0;
     candidates.clear();
     confidence = 0.0;
@@ -471,7 +472,7 @@ struct Localizer::Impl {
       }
       status = Status::kLocalized;
       reason = Reason::kNone;
-      fix = candidates.front();
+      begin_tracking(candidates.front());
       misfits = 0;
       misfit_way_m = 0.0;
       return;
@@ -495,58 +496,32 @@ struct Localizer::Impl {
   // --- tracking
   // ---------------------------------------------------------------------------------------------------
 
-  /// Lays the scan on the map from where the submap says it is; takes the pose back when it stays
-  /// off the walls.
-  void track(const std::vector<Point2>& points, bool news) {
+  void begin_tracking(const Candidate& candidate) {
+    fix = candidate;
+    tracker = PoseTracker(candidate.T_map_submap * T_submap_base_link);
+  }
+
+  /// Corrects the pose by the scan; takes it back when scans stay off the walls.
+  void track(const RobotScan& robot_scan, const std::vector<Point2>& points, bool news) {
     const LocalizationMap& map = *maps[fix->map];
-    const Pose2 predicted = fix->T_map_submap * T_submap_base_link;
-    if (points.empty()) {
-      miss(Reason::kNoReturns);
-      return;
-    }
-    const PosePrior prior{predicted, 0.05, 0.02};
-    const RefinedPose refined =
-        refine_pose(map.field(), points, predicted, {.kernel_m = 0.15, .max_iterations = 8}, prior);
-    const EvidenceScore fit =
-        score_evidence(map.classes(), {points, {}}, refined.T_frame_base_link);
-    if (fit.matched >= kMinFitShare) {
-      fix->T_map_submap = refined.T_frame_base_link * inverse(T_submap_base_link);
-      fix_information = refined.information;
-    }
+    const TrackingVerdict verdict =
+        tracker.update(map, points, robot_scan.T_base_link_laser.translation());
+    fix->T_map_submap = tracker.T_map_base_link() * inverse(T_submap_base_link);
     if (news) fix->score = score_evidence(map.classes(), submap.evidence(), fix->T_map_submap);
-    const double matched_of_mapped = fit.matched / std::max(0.2, 1.0 - fit.unmapped);
-    const double usual = usual_fit.value_or(matched_of_mapped);
-    const bool fits = fit.matched >= kMinFitShare && fit.contradicted <= kMaxContradictedShare &&
-                      matched_of_mapped >= kMinUsualShare * usual;
-    if (!fits) {
-      miss(Reason::kContradicted);
+    if (verdict != TrackingVerdict::kFits) {
+      miss(verdict == TrackingVerdict::kNoReturns ? Reason::kNoReturns : Reason::kContradicted);
       return;
     }
-    usual_fit = usual + kUsualGain * (matched_of_mapped - usual);
     misfits = 0;
     misfit_way_m = 0.0;
   }
 
   /// A scan that does not confirm the pose; too many in a row take it back.
   void miss(Reason why) {
-    if (misfit_way_m <= kMaxMisfitWay && ++misfits <= kMaxMisfits) return;
+    ++misfits;
+    if (misfits <= kMaxMisfits && (misfit_way_m <= kMaxMisfitWay || misfits < kMinMisfits)) return;
     restart_submap();
     reason = why;
-  }
-
-  [[nodiscard]] std::array<double, 9> covariance() const {
-    // What the map itself may be off by, and no less certain than a metre and half a radian in a
-    // blind direction.
-    const Eigen::Vector3d least_information{1.0, 1.0, 4.0};
-    const Eigen::Vector3d map_variance{4e-4, 4e-4, 1e-5};
-    Eigen::Matrix3d information = fix_information;
-    information.diagonal() += least_information;
-    Eigen::Matrix3d covariance = information.inverse();
-    covariance.diagonal() += map_variance;
-    std::array<double, 9> row_major{};
-    std::copy_n(covariance.data(), 9,
-                row_major.begin());  // symmetric, so the order does not matter
-    return row_major;
   }
 
   // --- answer
@@ -559,8 +534,10 @@ struct Localizer::Impl {
     answer.confidence = confidence;
     answer.searched = searched;
     if (fix) {
-      answer.pose =
-          LocalizedPose{maps[fix->map], fix->T_map_submap * T_submap_base_link, covariance()};
+      LocalizedPose pose{maps[fix->map], tracker.T_map_base_link(), {}};
+      const Eigen::Matrix3d covariance = tracker.covariance();
+      std::copy_n(covariance.data(), 9, pose.covariance.begin());  // symmetric: any order will do
+      answer.pose = pose;
       answer.hypotheses.push_back(ranked(*fix));
     } else {
       for (const Candidate& candidate : candidates) answer.hypotheses.push_back(ranked(candidate));
@@ -638,7 +615,7 @@ void Localizer::restore(LocalizerState state) {
     Candidate fix{static_cast<std::size_t>(state.tracked_map), state.T_map_submap, 0, 0, {}};
     fix.score =
         score_evidence(impl_->maps[fix.map]->classes(), impl_->submap.evidence(), fix.T_map_submap);
-    impl_->fix = fix;
+    impl_->begin_tracking(fix);
   } else if (impl_->status == Status::kLocalized) {
     impl_->status = Status::kCollecting;
     impl_->reason = Reason::kNoMatch;

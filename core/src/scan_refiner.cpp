@@ -37,14 +37,30 @@ NormalEquations linearize(const DistanceField& field, std::span<const Point2> po
   return sum;
 }
 
-void add_prior(NormalEquations& sum, const Pose2& T, const Pose2& prior,
-               const Eigen::Vector3d& prior_information) {
-  const Eigen::Vector3d offset{T.x - prior.x, T.y - prior.y, wrap_angle(T.yaw - prior.yaw)};
-  sum.information.diagonal() += prior_information;
-  sum.gradient += prior_information.cwiseProduct(offset);
+void add_prior(NormalEquations& sum, const Pose2& T, const PosePrior& prior) {
+  const Pose2& at = prior.T_frame_base_link;
+  const Eigen::Vector3d offset{T.x - at.x, T.y - at.y, wrap_angle(T.yaw - at.yaw)};
+  sum.information += prior.information;
+  sum.gradient += prior.information * offset;
+}
+
+/// Takes an information matrix of x, y, yaw to the axes of a frame turned by `yaw` against its own.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& information, double yaw) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  const double c = std::cos(yaw);
+  const double s = std::sin(yaw);
+  rotation.topLeftCorner<2, 2>() << c, -s, s, c;
+  return rotation * information * rotation.transpose();
 }
 
 }  // namespace
+
+PosePrior isotropic_prior(const Pose2& T_frame_base_link, double sigma_position_m,
+                          double sigma_yaw_rad) {
+  const double position = 1.0 / (sigma_position_m * sigma_position_m);
+  const double yaw = 1.0 / (sigma_yaw_rad * sigma_yaw_rad);
+  return {T_frame_base_link, Eigen::Vector3d{position, position, yaw}.asDiagonal()};
+}
 
 RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> points_base_link,
                         const Pose2& T_frame_base_link, const ScanRefinerParams& params,
@@ -53,28 +69,22 @@ RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> poin
   if (points_base_link.empty()) return result;
   const Pose2 T_frame_grid = inverse(field.T_grid_frame());
   Pose2 T = field.T_grid_frame() * T_frame_base_link;
-  Eigen::Vector3d prior_information =
-      Eigen::Vector3d::Constant(1e-3);  // keeps blind directions where they are
-  Pose2 T_prior = T;
+  std::optional<PosePrior> prior_grid;
   if (prior) {
-    T_prior = field.T_grid_frame() * prior->T_frame_base_link;
-    const double position = 1.0 / (prior->sigma_position_m * prior->sigma_position_m);
-    prior_information = {position, position, 1.0 / (prior->sigma_yaw_rad * prior->sigma_yaw_rad)};
+    prior_grid = {field.T_grid_frame() * prior->T_frame_base_link,
+                  turned(prior->information, field.T_grid_frame().yaw)};
   }
+  const Eigen::Matrix3d keeps_blind_directions = 1e-3 * Eigen::Matrix3d::Identity();
   for (int i = 0; i < params.max_iterations; ++i) {
     NormalEquations sum = linearize(field, points_base_link, T, params);
-    add_prior(sum, T, prior ? T_prior : T, prior_information);
+    add_prior(sum, T, prior_grid.value_or(PosePrior{T, keeps_blind_directions}));
     const Eigen::Vector3d step = -sum.information.ldlt().solve(sum.gradient);
     T = {T.x + step.x(), T.y + step.y(), wrap_angle(T.yaw + step.z())};
     if (std::abs(step.x()) + std::abs(step.y()) < 5e-4 && std::abs(step.z()) < 2e-4) break;
   }
   const NormalEquations at_end = linearize(field, points_base_link, T, params);
   result.T_frame_base_link = T_frame_grid * T;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // from grid axes to frame axes
-  const double c = std::cos(T_frame_grid.yaw);
-  const double s = std::sin(T_frame_grid.yaw);
-  rotation.topLeftCorner<2, 2>() << c, -s, s, c;
-  result.information = rotation * at_end.information * rotation.transpose();
+  result.information = turned(at_end.information, T_frame_grid.yaw);
   result.inlier_share =
       static_cast<double>(at_end.inliers) / static_cast<double>(points_base_link.size());
   return result;
