@@ -28,7 +28,8 @@ constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
 constexpr std::size_t kRefinePoints = 200;
 constexpr double kRivalMargin =
     0.75;  // mean log-likelihood below the best at which a rival cannot matter [nat]
-constexpr double kSearchSlack = 0.05;     // by which the search may misjudge a place [nat]
+constexpr double kSeedMargin = 0.15;   // the same when there will be no fix now: what may win later
+constexpr double kSearchSlack = 0.05;  // by which the search may misjudge a place [nat]
 constexpr double kMinRivalWeight = -0.5;  // below this a place is no candidate at all
 
 // Taking a pose back.
@@ -277,10 +278,7 @@ struct Localizer::Impl {
     const View seen = view();
     judge(seen, found);
     if (search_due()) {
-      rival_margin = margin_to_look_at();
-      found = std::move(candidates);
-      add_places(seen, found);
-      judge(seen, found);
+      add_places(seen);
       searched = true;
       searched_ends = submap.evidence().ends.size();
       searched_way_m = way_m;
@@ -331,30 +329,41 @@ struct Localizer::Impl {
     return searched_ends == 0 || growth >= 1.6 || way_m - searched_way_m >= 3.0;
   }
 
-  /// How far below the best candidate, a beam end, a place may lie and still matter.
-  [[nodiscard]] double margin_to_look_at() const {
-    constexpr double kMoreThanSure = 0.998;
-    if (candidates.empty()) return kRivalMargin;
+  /// Gap at which the best candidate would be a fix.
+  [[nodiscard]] double needed_gap(double probability) const {
     const EvidenceScore& best = candidates.front().score;
-    const double gap = std::max(gap_for(best, kMoreThanSure), params.acceptance.min_gap);
-    return std::min(kRivalMargin, gap / std::max(1, best.ends));
+    return std::max({gap_for(best, probability), params.acceptance.min_gap,
+                     params.acceptance.min_mean_gap * best.ends});
   }
 
-  /// Every place of every map that comes near the best candidate.
-  void add_places(const View& view, std::vector<Candidate>& found) const {
-    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
+  /// How far below the best candidate, a beam end, a place may lie and still matter. Who asks for
+  /// an endless gap wants to know all.
+  [[nodiscard]] double margin_to_look_at() const {
+    constexpr double kMoreThanSure = 0.995;
+    if (candidates.empty()) return kRivalMargin;
+    const double needed = needed_gap(kMoreThanSure) / std::max(1, candidates.front().score.ends);
+    if (std::isfinite(needed) && !may_be_fix()) return kSeedMargin;
+    return std::min(kRivalMargin, needed);
+  }
+
+  /// Whether the best candidate would be a fix if there were no other places than those known.
+  [[nodiscard]] bool may_be_fix() const { return acceptable(gap_to_known(kRivalMargin)); }
+
+  /// Looks in all maps for places that come near the best candidate, and which nears the best of
+  /// them.
+  void add_places(const View& view) {
     // What no map may fall far below, from one map to the next.
-    double best_mean = kMinRivalWeight + rival_margin;
-    PlaceSearchParams search{.max_mean_gap = rival_margin};
-    for (const Candidate& candidate : found) {
+    double best_mean = kMinRivalWeight + kRivalMargin;
+    for (const Candidate& candidate : candidates)
       best_mean = std::max(best_mean, optimistic_mean(view, candidate));
-    }
     for (std::size_t map = 0; map < maps.size(); ++map) {
-      search.min_mean_weight = best_mean - rival_margin;
-      for (const Place& place :
-           maps[map]->place_search().find(view.evidence.ends, view.way, search)) {
-        found.push_back({map, place.T_map_base_link * T_base_link_submap, 0, 0, {}});
-        best_mean = std::max(best_mean, place.mean_weight);
+      PlaceSearch::Run run(maps[map]->place_search(), view.evidence.ends, view.way, {});
+      for (std::size_t places = 0; places < kMaxCandidates; ++places) {
+        rival_margin = margin_to_look_at();
+        const std::optional<Place> place = run.next(best_mean - rival_margin);
+        if (!place) break;
+        best_mean = std::max(best_mean, place->mean_weight);
+        consider(view, {map, place->T_map_base_link * inverse(T_submap_base_link), 0, 0, {}});
       }
     }
   }
@@ -394,29 +403,35 @@ struct Localizer::Impl {
   }
 
   /// Refines and scores, keeps the best of each place, best first.
-  void judge(const View& view, std::vector<Candidate>& found) {
-    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
-    for (Candidate& candidate : found) {
-      const LocalizationMap& map = *maps[candidate.map];
-      const Pose2 T_map_base_link = refined(map, view, candidate.T_map_submap * T_submap_base_link);
-      candidate.T_map_submap = T_map_base_link * T_base_link_submap;
-      candidate.score = score_evidence(map.classes(), view.evidence, T_map_base_link);
-    }
-    std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-      return a.score.fit > b.score.fit;
-    });
+  void judge(const View& view, const std::vector<Candidate>& found) {
     candidates.clear();
-    for (const Candidate& candidate : found) {
-      const double least = found.front().score.fit - kRivalMargin * found.front().score.ends;
-      if (candidates.size() == kMaxCandidates || candidate.score.fit < least) break;
-      Candidate* same = find_same_place(candidate);
-      if (same == nullptr) {
-        candidates.push_back(candidate);
+    for (const Candidate& candidate : found) consider(view, candidate);
+  }
+
+  void consider(const View& view, Candidate candidate) {
+    const LocalizationMap& map = *maps[candidate.map];
+    const Pose2 T_map_base_link = refined(map, view, candidate.T_map_submap * T_submap_base_link);
+    candidate.T_map_submap = T_map_base_link * inverse(T_submap_base_link);
+    candidate.score = score_evidence(map.classes(), view.evidence, T_map_base_link);
+    if (Candidate* same = find_same_place(candidate)) {
+      candidate.votes = std::max(same->votes, candidate.votes);
+      candidate.inliers = std::max(same->inliers, candidate.inliers);
+      if (same->score.fit > candidate.score.fit) {
+        same->votes = candidate.votes;
+        same->inliers = candidate.inliers;
       } else {
-        same->votes = std::max(same->votes, candidate.votes);
-        same->inliers = std::max(same->inliers, candidate.inliers);
+        *same = candidate;
       }
+    } else {
+      candidates.push_back(candidate);
     }
+    std::stable_sort(
+        candidates.begin(), candidates.end(),
+        [](const Candidate& a, const Candidate& b) { return a.score.fit > b.score.fit; });
+    const double least =
+        candidates.front().score.fit - kRivalMargin * candidates.front().score.ends;
+    std::erase_if(candidates, [least](const Candidate& c) { return c.score.fit < least; });
+    if (candidates.size() > kMaxCandidates) candidates.resize(kMaxCandidates);
   }
 
   Candidate* find_same_place(const Candidate& candidate) {
@@ -431,11 +446,14 @@ struct Localizer::Impl {
     return nullptr;
   }
 
-  /// Log-likelihood of the best candidate less that of the best other place, at most what a search
-  /// would have found.
-  [[nodiscard]] double gap() const {
+  /// Log-likelihood of the best candidate less that of the best other place, at most what the last
+  /// search would have found.
+  [[nodiscard]] double gap() const { return gap_to_known(rival_margin); }
+
+  /// The same if all places within `margin`, a beam end, are known.
+  [[nodiscard]] double gap_to_known(double margin) const {
     const double best = candidates.front().score.log_likelihood;
-    double gap = gap_without_rivals(rival_margin);
+    double gap = gap_without_rivals(margin);
     for (std::size_t i = 1; i < candidates.size(); ++i)
       gap = std::min(gap, best - candidates[i].score.log_likelihood);
     return gap;
@@ -539,6 +557,7 @@ struct Localizer::Impl {
       std::copy_n(covariance.data(), 9, pose.covariance.begin());  // symmetric: any order will do
       answer.pose = pose;
       answer.hypotheses.push_back(ranked(*fix));
+      answer.hypotheses.front().T_map_base_link = pose.T_map_base_link;
     } else {
       for (const Candidate& candidate : candidates) answer.hypotheses.push_back(ranked(candidate));
     }

@@ -37,6 +37,42 @@ NormalEquations linearize(const DistanceField& field, std::span<const Point2> po
   return sum;
 }
 
+/// The slope of the field over a few cells, which the cells' edges do not disturb.
+Point2 smooth_gradient(const DistanceField& field, const Point2& point_grid) {
+  constexpr double kReach = 0.1;
+  const auto distance = [&](double dx, double dy) {
+    return field.sample(point_grid + Point2{dx, dy}).distance;
+  };
+  return Point2{distance(kReach, 0.0) - distance(-kReach, 0.0),
+                distance(0.0, kReach) - distance(0.0, -kReach)} /
+         (2.0 * kReach);
+}
+
+/// What the points say of the pose. On a wall the field has no slope, so the direction of the wall
+/// is read off a little before it, where the beam came from.
+Eigen::Matrix3d observed_information(const DistanceField& field, std::span<const Point2> points,
+                                     const Pose2& T, const ScanRefinerParams& params) {
+  constexpr double kBefore = 0.25;
+  const double c = std::cos(T.yaw);
+  const double s = std::sin(T.yaw);
+  const double kernel2 = params.kernel_m * params.kernel_m;
+  const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (const Point2& p : points) {
+    const Point2 turned{c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+    const double distance = field.sample({T.x + turned.x(), T.y + turned.y()}).distance;
+    if (distance > 2.0 * params.kernel_m) continue;
+    const Point2 before = turned * std::max(0.0, 1.0 - kBefore / std::max(turned.norm(), kBefore));
+    Point2 normal = smooth_gradient(field, {T.x + before.x(), T.y + before.y()});
+    if (normal.squaredNorm() > 1.0) normal.normalize();
+    const double root = kernel2 / (kernel2 + distance * distance);
+    const Eigen::Vector3d jacobian{normal.x(), normal.y(),
+                                   normal.y() * turned.x() - normal.x() * turned.y()};
+    information.noalias() += (root * root * point_information) * jacobian * jacobian.transpose();
+  }
+  return information;
+}
+
 void add_prior(NormalEquations& sum, const Pose2& T, const PosePrior& prior) {
   const Pose2& at = prior.T_frame_base_link;
   const Eigen::Vector3d offset{T.x - at.x, T.y - at.y, wrap_angle(T.yaw - at.yaw)};
@@ -84,7 +120,8 @@ RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> poin
   }
   const NormalEquations at_end = linearize(field, points_base_link, T, params);
   result.T_frame_base_link = T_frame_grid * T;
-  result.information = turned(at_end.information, T_frame_grid.yaw);
+  result.information =
+      turned(observed_information(field, points_base_link, T, params), T_frame_grid.yaw);
   result.inlier_share =
       static_cast<double>(at_end.inliers) / static_cast<double>(points_base_link.size());
   return result;
