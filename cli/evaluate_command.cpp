@@ -13,6 +13,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string log;
+  std::string lidar;
   std::string map_log;
   std::string other_map_log;
   std::string method = std::string(to_string(LocalizerParams{}.method));
@@ -22,6 +23,14 @@ struct EvaluateArguments {
   bool no_odometry = false;
   EvaluationOptions options;
 };
+
+Result<RecordedLog> read_log_and_warn(const std::string& path, const std::string& lidar) {
+  Result<LogReader> reader = LogReader::open(path, lidar);
+  if (!reader) return reader.error();
+  RecordedLog log = read_all(*reader);
+  warn(path, remarks(*reader));
+  return log;
+}
 
 Result<void> write_records(const std::string& path, const std::vector<StartRecord>& records) {
   std::ofstream csv(path);
@@ -72,13 +81,13 @@ int run_evaluate(EvaluateArguments& arguments) {
   options.use_odometry = !arguments.no_odometry;
   options.sample = !arguments.samples.empty();
 
-  Result<RecordedLog> log = read_log(arguments.log);
+  Result<RecordedLog> log = read_log_and_warn(arguments.log, arguments.lidar);
   if (!log) return fail(log.error());
   std::optional<RecordedLog> own_map_log;
   const std::string& map_path =
       arguments.other_map_log.empty() ? arguments.map_log : arguments.other_map_log;
   if (!map_path.empty()) {
-    Result<RecordedLog> other = read_log(map_path);
+    Result<RecordedLog> other = read_log_and_warn(map_path, arguments.lidar);
     if (!other) return fail(other.error());
     own_map_log = std::move(*other);
   }
@@ -123,6 +132,7 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command->add_option("LOG", arguments->log, "Log whose scans ask")
       ->required()
       ->check(CLI::ExistingFile);
+  add_lidar_option(*command, arguments->lidar);
   command->add_option("--split", options.split, "Share of LOG that makes the map")
       ->check(CLI::Range(0.0, 1.0));
   CLI::Option* map_log = command
