@@ -104,12 +104,14 @@ std::string remarks(const LogReader& reader) {
   return text + (text.empty() ? "" : "; ") + faults_text(reader.faults());
 }
 
-RecordedLog read_all(LogReader& reader, std::size_t stride) {
+RecordedLog read_all(LogReader& reader, std::size_t stride,
+                     const std::function<void(double)>& progress) {
   RecordedLog log;
   log.header = reader.header();
   std::size_t index = 0;
   while (std::optional<LogScan> scan = reader.next()) {
     if (index++ % stride == 0) log.scans.push_back(std::move(*scan));
+    if (progress) progress(reader.progress());
   }
   return log;
 }

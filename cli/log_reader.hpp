@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -94,6 +95,9 @@ class LogReader {
 /// All of a log; `stride` n keeps every n-th scan, from the first.
 [[nodiscard]] Result<RecordedLog> read_log(const std::filesystem::path& path,
                                            std::size_t stride = 1);
-[[nodiscard]] RecordedLog read_all(LogReader& reader, std::size_t stride = 1);
+/// The rest of a log. \param progress  Called with the share of the file read, a scan each; may be
+/// empty.
+[[nodiscard]] RecordedLog read_all(LogReader& reader, std::size_t stride = 1,
+                                   const std::function<void(double)>& progress = {});
 
 }  // namespace cornerfix::cli

@@ -51,9 +51,8 @@ Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress
     growth->accepted += total.accepted;
     growth->duplicates += total.duplicates;
     total = *growth;
-    if (progress != nullptr) progress->update(scans.log().progress());
+    if (progress != nullptr) progress->update(scans.progress());
   }
-  if (progress != nullptr) progress->update(1.0);
   return total;
 }
 

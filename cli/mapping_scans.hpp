@@ -28,6 +28,10 @@ class MappingScans {
   [[nodiscard]] std::optional<LogScan> next();
   [[nodiscard]] const LogReader& log() const { return reader_; }
   [[nodiscard]] std::size_t count() const { return count_; }  ///< Given out so far.
+  /// Share of them that was given out, in [0, 1].
+  [[nodiscard]] double progress() const {
+    return static_cast<double>(posed_) / static_cast<double>(wanted_posed_);
+  }
 
  private:
   MappingScans(LogReader reader, const LogSurvey& survey, const MappingScanOptions& options);

@@ -201,7 +201,7 @@ TEST_F(LogReading, LeavesABrokenCarmenMessageOutAndTellsWhereItIs) {
   ASSERT_TRUE(reader.ok());
   EXPECT_EQ(read_all(*reader).scans.size(), 2U);
   ASSERT_EQ(reader->faults().count(), 2U);
-  EXPECT_EQ(reader->faults().first()[0].where, "line 3, byte 52");
+  EXPECT_EQ(reader->faults().first()[0].where, "line 3, byte 48");
   EXPECT_EQ(reader->faults().first()[0].message, "FLASER: expected 3 ranges");
   EXPECT_EQ(reader->faults().first()[1].message,
             "FLASER: expected a number of beams from 2 to 20000");
