@@ -13,6 +13,7 @@ struct LogSurvey {
   std::size_t scans = 0;
   std::size_t posed_scans = 0;      ///< With a reference pose.
   std::size_t posed_key_scans = 0;  ///< In a log that marks key scans, those with a pose.
+  std::string remarks;              ///< What a person should know of the log; may be empty.
 
   /// How many posed scans lie in the first `share` of the log.
   [[nodiscard]] std::size_t posed_scans_in(double share) const {

@@ -155,7 +155,7 @@ int run_map_build(const MapBuildArguments& arguments) {
   const Result<Growth> growth = arguments.database.empty() ? build_over_http(arguments, *scans)
                                                            : build_into_file(arguments, *scans);
   if (!growth) return fail(growth.error());
-  warn(arguments.log, remarks(scans->log()));
+  warn(arguments.log, scans->remarks());
   if (arguments.connection.print_curl) return kDone;
   std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
               arguments.name.c_str(), scans->count(), growth->duplicates, growth->key_frames,

@@ -7,6 +7,7 @@ namespace cornerfix::cli {
 MappingScans::MappingScans(LogReader reader, const LogSurvey& survey,
                            const MappingScanOptions& options)
     : reader_(std::move(reader)),
+      remarks_(survey.remarks),
       stride_(options.stride),
       wanted_posed_(survey.posed_scans_in(options.split)),
       key_scans_only_(survey.posed_key_scans > 0) {}

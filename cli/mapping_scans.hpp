@@ -27,6 +27,8 @@ class MappingScans {
 
   [[nodiscard]] std::optional<LogScan> next();
   [[nodiscard]] const LogReader& log() const { return reader_; }
+  /// Of the whole log, as in LogSurvey.
+  [[nodiscard]] const std::string& remarks() const { return remarks_; }
   [[nodiscard]] std::size_t count() const { return count_; }  ///< Given out so far.
   /// Share of them that was given out, in [0, 1].
   [[nodiscard]] double progress() const {
@@ -37,6 +39,7 @@ class MappingScans {
   MappingScans(LogReader reader, const LogSurvey& survey, const MappingScanOptions& options);
 
   LogReader reader_;
+  std::string remarks_;
   std::size_t stride_;
   std::size_t wanted_posed_;
   bool key_scans_only_;
