@@ -131,7 +131,7 @@ class BagLog final : public LogSource {
   /// taken to be there.
   std::optional<FrameTree::Found> find_base_in_odom(const WaitingScan& scan) {
     if (base_frame_.empty() || frames_.knows(scan.message.frame)) return std::nullopt;
-    const auto found = frames_.find("odom", base_frame_, scan.message.scan.stamp);
+    auto found = frames_.find("odom", base_frame_, scan.message.scan.stamp);
     if (found && !std::exchange(is_mount_noted_, true)) {
       notes_.push_back("no transform from " + base_frame_ + " to " + scan.message.frame +
                        ": the laser is taken to be at " + base_frame_);
