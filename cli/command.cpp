@@ -10,4 +10,14 @@ int fail(const Error& error) {
   return kCouldNot;
 }
 
+void warn(const std::string& where, const std::string& what) {
+  if (!what.empty()) std::fprintf(stderr, "cornerfix: %s: %s\n", where.c_str(), what.c_str());
+}
+
+void add_lidar_option(CLI::App& command, std::string& lidar) {
+  command.add_option("--lidar", lidar,
+                     "Topic of a bag, or message of a CARMEN log, with the scans to take (default: "
+                     "that of the first scan)");
+}
+
 }  // namespace cornerfix::cli

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <string>
+
 #include <cornerfix/result.hpp>
 
 namespace cornerfix::cli {
@@ -13,6 +15,12 @@ constexpr int kWrongUse = 2;
 
 /// Says on stderr why something could not be done; returns kCouldNot.
 int fail(const Error& error);
+
+/// Says on stderr what a person should know of `where`; nothing when there is nothing to say.
+void warn(const std::string& where, const std::string& what);
+
+/// --lidar, for logs that hold the scans of several.
+void add_lidar_option(CLI::App& command, std::string& lidar);
 
 // Each adds its command to `app`. Parsing a command line runs its command, which leaves its exit
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.

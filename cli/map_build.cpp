@@ -2,17 +2,17 @@
 
 #include <spdlog/fmt/chrono.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "api/requests.hpp"
 #include "cli/command.hpp"
-#include "cli/evaluation.hpp"
 #include "cli/progress.hpp"
 #include "cli/scan_json.hpp"
 #include "server/map_library.hpp"
@@ -32,19 +32,26 @@ std::string file_name(const std::string& path) {
 using Growth = server::MapGrowthReport;
 using AddBatch = std::function<Result<Growth>(std::span<const LogScan>)>;
 
+std::vector<LogScan> next_batch(MappingScans& scans) {
+  std::vector<LogScan> batch;
+  while (batch.size() < kScansPerBatch) {
+    std::optional<LogScan> scan = scans.next();
+    if (!scan) break;
+    batch.push_back(std::move(*scan));
+  }
+  return batch;
+}
+
 /// Adds all scans, a batch after the other. Returns where the map stands in the end.
-Result<Growth> add_in_batches(std::span<const LogScan> scans, const AddBatch& add,
-                              Progress* progress) {
+Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress* progress) {
   Growth total;
-  for (std::size_t at = 0; at < scans.size(); at += kScansPerBatch) {
-    const auto batch = scans.subspan(at, std::min(kScansPerBatch, scans.size() - at));
+  for (auto batch = next_batch(scans); !batch.empty(); batch = next_batch(scans)) {
     Result<Growth> growth = add(batch);
     if (!growth) return growth;
     growth->accepted += total.accepted;
     growth->duplicates += total.duplicates;
     total = *growth;
-    if (progress == nullptr) continue;
-    progress->update(static_cast<double>(at + batch.size()) / static_cast<double>(scans.size()));
+    if (progress != nullptr) progress->update(scans.progress());
   }
   return total;
 }
@@ -74,8 +81,8 @@ Growth growth_from_json(const nlohmann::json& answer) {
           .revision = answer.value("revision", std::uint64_t{0})};
 }
 
-Result<Growth> build_over_http(const MapBuildArguments& arguments, const LogHeader& header,
-                               std::span<const LogScan> scans) {
+Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans& scans) {
+  const LogHeader& header = scans.log().header();
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
   const Result<nlohmann::json> described = server->call(
@@ -121,12 +128,11 @@ std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
   return posed;
 }
 
-Result<Growth> build_into_file(const MapBuildArguments& arguments, const LogHeader& header,
-                               std::span<const LogScan> scans) {
+Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
   server::MapLibrary library(*stores, {}, now_text);
-  const Result<void> described = describe_map(library, arguments, header);
+  const Result<void> described = describe_map(library, arguments, scans.log().header());
   if (!described) return described.error();
   Progress progress("mapping");
   Result<Growth> growth = add_in_batches(
@@ -143,31 +149,16 @@ Result<Growth> build_into_file(const MapBuildArguments& arguments, const LogHead
 
 }  // namespace
 
-std::vector<LogScan> mapping_scans(RecordedLog log, double split) {
-  log.scans.resize(split_index(log, split));
-  const bool marks_key_scans = std::any_of(log.scans.begin(), log.scans.end(),
-                                           [](const LogScan& scan) { return scan.is_key_scan; });
-  std::erase_if(log.scans, [&](const LogScan& scan) {
-    return !scan.T_map_laser || (marks_key_scans && !scan.is_key_scan);
-  });
-  return std::move(log.scans);
-}
-
 int run_map_build(const MapBuildArguments& arguments) {
-  Result<RecordedLog> log = read_log(arguments.log, arguments.stride);
-  if (!log) return fail(log.error());
-  const LogHeader header = log->header;
-  const std::vector<LogScan> scans = mapping_scans(std::move(*log), arguments.split);
-  if (scans.empty()) {
-    return fail({ErrorCode::kInvalidArgument, "holds no scan with a pose", arguments.log});
-  }
-  const Result<Growth> growth = arguments.database.empty()
-                                    ? build_over_http(arguments, header, scans)
-                                    : build_into_file(arguments, header, scans);
+  Result<MappingScans> scans = MappingScans::open(arguments.log, arguments.scans);
+  if (!scans) return fail(scans.error());
+  const Result<Growth> growth = arguments.database.empty() ? build_over_http(arguments, *scans)
+                                                           : build_into_file(arguments, *scans);
   if (!growth) return fail(growth.error());
+  warn(arguments.log, scans->remarks());
   if (arguments.connection.print_curl) return kDone;
   std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
-              arguments.name.c_str(), scans.size(), growth->duplicates, growth->key_frames,
+              arguments.name.c_str(), scans->count(), growth->duplicates, growth->key_frames,
               growth->features, static_cast<unsigned long long>(growth->revision));
   return kDone;
 }

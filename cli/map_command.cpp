@@ -114,20 +114,24 @@ void add_build_command(CLI::App& map, int& exit_code) {
   CLI::App* command =
       map.add_subcommand("build", "Make a map from a log with poses, or let a map grow by it");
   command->footer(
-      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs; its poses must be corrected ones),"
-      "\nalso with .gz. Where a log marks key scans, only those make the map. Scans that the map "
-      "has"
-      "\nalready are skipped, so the same log may be sent again.");
+      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS "
+      "1\n"
+      "or 2 (.bag, .mcap, .db3). Its poses must be corrected ones: of CARMEN those of the laser, "
+      "of\n"
+      "bags those that tf knows in the frame map. Where a log marks key scans, only those make "
+      "the\n"
+      "map. Scans that the map has already are skipped, so the same log may be sent again.");
   command->add_option("NAME", arguments->name, "Name of the map")->required();
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--split", arguments->split, "Use this first share of the log only")
+  command->add_option("--split", arguments->scans.split, "Use this first share of the log only")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--stride", arguments->stride, "Use every n-th scan")
+  command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  add_lidar_option(*command, arguments->scans.lidar);
   CLI::Option* database = command->add_option(
       "--db", arguments->database, "Write into this database file instead of asking a server");
   add_connection_options(*command, arguments->connection);

@@ -170,6 +170,29 @@ TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
   EXPECT_EQ(scans[1]["stamp"], 3.0);
 }
 
+TEST_F(CommandLine, BuildsFromALogThatIsBrokenInPlacesAndTellsHowManyThereAre) {
+  const std::string text = walk(6);
+  const std::string log = directory_.write("walk.jsonl", text + "oops\n" + "{\n").string();
+  const std::string database = (directory_.path() / "maps.db").string();
+  const Outcome outcome = run({"map", "build", "attic", log.c_str(), "--db", database.c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("attic: 6 scans"));
+  EXPECT_THAT(outcome.err, HasSubstr("2 broken records left out, the first at line 8, byte " +
+                                     std::to_string(text.size())));
+}
+
+TEST_F(CommandLine, BeginsNoMapWithALogThatHoldsNoPose) {
+  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, "{}"}; });
+  const std::string log =
+      directory_.write("walk.jsonl", std::string(kHeader) + R"({"t": 0, "ranges": [1, 2]})")
+          .string();
+  const Outcome outcome =
+      run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("holds no scan with a pose, in 1 scans"));
+  EXPECT_TRUE(server.requests().empty());
+}
+
 TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   const std::string log = directory_.write("walk.jsonl", walk(60)).string();
   const std::string database = (directory_.path() / "maps.db").string();
