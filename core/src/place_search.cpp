@@ -130,6 +130,7 @@ struct PlaceSearch::Query {
   std::vector<CellOffset> way_offsets;
   std::vector<std::int32_t> end_indices;  ///< The same as distances in the fields.
   std::vector<std::int32_t> way_indices;
+  std::vector<CellOffset> robot_offsets;  ///< Of base_link, which must be in known-free space.
   [[nodiscard]] std::span<const CellOffset> ends(std::size_t rotation) const {
     return std::span(end_offsets).subspan(rotation * end_count, end_count);
   }
@@ -210,12 +211,13 @@ PlaceSearch::PlaceSearch(const ClassField& classes) : T_map_grid_(inverse(classe
   width_ = rounded_up(inner_width_) + 2 * kBorder + kTopBlock;
   height_ = rounded_up(inner_height_) + 2 * kBorder + kTopBlock;
   ends_ = make_pyramid(pooled(classes, end_values()), end_values()[ClassField::kOutside]);
-  lay_out_by_phase();
+  ends_by_phase_ = by_phase(ends_);
   way_ = make_pyramid(pooled(classes, way_values()), way_values()[ClassField::kOutside]);
+  way_by_phase_ = by_phase(way_);
 }
 
 std::size_t PlaceSearch::bytes() const {
-  std::size_t sum = ends_by_phase_.size();
+  std::size_t sum = ends_by_phase_.size() + way_by_phase_.size();
   for (const Pyramid* pyramid : {&ends_, &way_}) {
     for (const auto& blocks : pyramid->blocks_below) sum += blocks.size() * sizeof(blocks[0]);
   }
@@ -284,26 +286,30 @@ PlaceSearch::Pyramid PlaceSearch::make_pyramid(std::vector<std::uint8_t> finest,
   return pyramid;
 }
 
-void PlaceSearch::lay_out_by_phase() {
+std::vector<std::uint8_t> PlaceSearch::by_phase(const Pyramid& pyramid) const {
   constexpr std::size_t kBlock = kTopBlock;
   const auto width = static_cast<std::size_t>(width_);
   const std::size_t blocks_x = width / kBlock;
   const std::size_t blocks_y = static_cast<std::size_t>(height_) / kBlock;
-  ends_by_phase_.resize(kBlock * kBlock * blocks_x * blocks_y);
+  std::vector<std::uint8_t> laid_out(kBlock * kBlock * blocks_x * blocks_y);
   for (std::size_t y = 0; y < blocks_y * kBlock; ++y) {
     for (std::size_t x = 0; x < blocks_x * kBlock; ++x) {
       const std::size_t phase = (y % kBlock) * kBlock + x % kBlock;
       // The first of the four blocks that make the top one at this cell lies at this cell, too.
-      ends_by_phase_[(phase * blocks_y + y / kBlock) * blocks_x + x / kBlock] =
-          static_cast<std::uint8_t>(ends_.blocks_below[kTopLevel - 1][y * width + x] & 0xFFU);
+      laid_out[(phase * blocks_y + y / kBlock) * blocks_x + x / kBlock] =
+          static_cast<std::uint8_t>(pyramid.blocks_below[kTopLevel - 1][y * width + x] & 0xFFU);
     }
   }
+  return laid_out;
 }
 
 std::array<int, 4> PlaceSearch::bounds_below(const Query& query, const Node& node,
                                              int threshold) const {
   const std::ptrdiff_t origin = static_cast<std::ptrdiff_t>(node.y) * width_ + node.x;
   const auto level = static_cast<std::size_t>(node.level - 1);
+  const CellOffset at = query.robot_offsets[node.rotation];
+  const std::uint32_t robot =
+      way_.blocks_below[level][static_cast<std::size_t>(origin + at.y * width_ + at.x)];
   FourSums sums;
   sums.add(way_.blocks_below[level].data() + origin, query.way_index(node.rotation));
   const std::uint32_t* ends = ends_.blocks_below[level].data() + origin;
@@ -314,7 +320,12 @@ std::array<int, 4> PlaceSearch::bounds_below(const Query& query, const Node& nod
     rest = rest.subspan(count);
     if (sums.max() + kHighestValue * static_cast<int>(rest.size()) < threshold) return {};
   }
-  return {sums[0], sums[1], sums[2], sums[3]};
+  std::array<int, 4> bounds{};
+  for (std::size_t child = 0; child < 4; ++child) {
+    if (((robot >> (8U * child)) & 0xFFU) == kWayFree)
+      bounds[child] = sums[static_cast<int>(child)];
+  }
+  return bounds;
 }
 
 PlaceSearch::Points PlaceSearch::gather(std::span<const Point2> ends_base_link,
@@ -339,6 +350,8 @@ PlaceSearch::Query PlaceSearch::make_query(const Points& points) const {
   for (int rotation = 0; rotation < kRotations; ++rotation) {
     append_offsets(query.end_offsets, points.ends, rotation * kTurn, cell_m_);
     append_offsets(query.way_offsets, points.way, rotation * kTurn, cell_m_);
+    append_offsets(query.robot_offsets, std::array{Point2{-points.center_base_link}},
+                   rotation * kTurn, cell_m_);
   }
   const auto index_of = [this](const CellOffset& offset) { return offset.y * width_ + offset.x; };
   std::ranges::transform(query.end_offsets, std::back_inserter(query.end_indices), index_of);
@@ -439,6 +452,13 @@ void PlaceSearch::Run::State::judge_top_blocks() {
   coarse_sums.assign(kRotations * blocks_y * blocks_x, 0);
   best_of_row.assign(kRotations * blocks_y, 0);
   const std::vector<std::uint8_t> nothing(stride * rows, 0);
+  const auto blocks_from = [&](const std::vector<std::uint8_t>& laid_out, const CellOffset& offset,
+                               int part) {
+    const auto x = static_cast<std::size_t>(kBorder + offset.x + (part % 2) * kTopBlock / 2);
+    const auto y = static_cast<std::size_t>(kBorder + offset.y + (part / 2) * kTopBlock / 2);
+    const std::size_t phase = (y % kBlock) * kBlock + x % kBlock;
+    return &laid_out[(phase * rows + y / kBlock) * stride + x / kBlock];
+  };
   std::vector<const std::uint8_t*> sources;
   std::vector<std::uint16_t> sums(blocks_x);
   for (std::size_t rotation = 0; rotation < kRotations; ++rotation) {
@@ -447,14 +467,15 @@ void PlaceSearch::Run::State::judge_top_blocks() {
       sources.clear();
       for (std::size_t i = 0; i < coarse_count; ++i) {
         const CellOffset& offset = ends[i * query.end_count / coarse_count];
-        const auto x = static_cast<std::size_t>(kBorder + offset.x + (part % 2) * kTopBlock / 2);
-        const auto y = static_cast<std::size_t>(kBorder + offset.y + (part / 2) * kTopBlock / 2);
-        const std::size_t phase = (y % kBlock) * kBlock + x % kBlock;
-        sources.push_back(
-            &search.ends_by_phase_[(phase * rows + y / kBlock) * stride + x / kBlock]);
+        sources.push_back(blocks_from(search.ends_by_phase_, offset, part));
       }
       while (sources.size() % kGroup != 0) sources.push_back(nothing.data());
+      const std::uint8_t* robot =
+          blocks_from(search.way_by_phase_, query.robot_offsets[rotation], part);
       for (std::size_t row = 0; row < blocks_y; ++row) {
+        const std::uint8_t* standing = robot + row * stride;
+        const std::uint8_t* free = std::find(standing, standing + blocks_x, kWayFree);
+        if (free == standing + blocks_x) continue;
         std::fill(sums.begin(), sums.end(), std::uint16_t{0});
         for (std::size_t group = 0; group < sources.size(); group += kGroup) {
           add_group(std::span<const std::uint8_t*, kGroup>(&sources[group], kGroup), row * stride,
@@ -462,12 +483,11 @@ void PlaceSearch::Run::State::judge_top_blocks() {
         }
         const std::size_t at = rotation * blocks_y + row;
         std::uint16_t* best = &coarse_sums[at * blocks_x];
-        std::uint16_t highest = best_of_row[at];
         for (std::size_t column = 0; column < blocks_x; ++column) {
-          best[column] = std::max(best[column], sums[column]);
-          highest = std::max(highest, best[column]);
+          const std::uint16_t sum = standing[column] == kWayFree ? sums[column] : std::uint16_t{0};
+          best[column] = std::max(best[column], sum);
         }
-        best_of_row[at] = highest;
+        best_of_row[at] = std::max(best_of_row[at], *std::max_element(best, best + blocks_x));
       }
     }
   }

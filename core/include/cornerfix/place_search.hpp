@@ -38,15 +38,15 @@ struct Place {
   double mean_weight = 0;  ///< Optimistic mean weight of the points [nat].
 };
 
-/// The pyramid of one map. Immutable: any threads may share it. 10 bytes a 0.2 m cell with its
+/// The pyramid of one map. Immutable: any threads may share it. 18 bytes a 0.2 m cell with its
 /// border.
 class PlaceSearch {
  public:
   explicit PlaceSearch(const ClassField& classes);
 
   /// \param ends_base_link  Where beams ended, in base_link at the pose asked for.
-  /// \param way_base_link   Where the robot has been, which must be free space; the last may be the
-  /// origin.
+  /// \param way_base_link   Where the robot has been, which should be free space.
+  /// base_link itself is looked for in known-free space only.
   /// \return Distinct places, best first.
   [[nodiscard]] std::vector<Place> find(std::span<const Point2> ends_base_link,
                                         std::span<const Point2> way_base_link,
@@ -77,7 +77,8 @@ class PlaceSearch {
   [[nodiscard]] std::vector<std::uint8_t> pooled(
       const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const;
   [[nodiscard]] Pyramid make_pyramid(std::vector<std::uint8_t> finest, std::uint8_t outside) const;
-  void lay_out_by_phase();
+  /// Blocks of 2 cells, those of one phase against the top blocks side by side, row by row.
+  [[nodiscard]] std::vector<std::uint8_t> by_phase(const Pyramid& pyramid) const;
   [[nodiscard]] Points gather(std::span<const Point2> ends_base_link,
                               std::span<const Point2> way_base_link, int max_points) const;
   [[nodiscard]] Query make_query(const Points& points) const;
@@ -94,9 +95,8 @@ class PlaceSearch {
   int height_ = 0;
   Pyramid ends_;
   Pyramid way_;
-  /// Blocks of 2 cells, those of one phase against the top blocks side by side in memory, row by
-  /// row.
   std::vector<std::uint8_t> ends_by_phase_;
+  std::vector<std::uint8_t> way_by_phase_;
 };
 
 /// The places of one question. Refers to the search that it was made from.
