@@ -1,5 +1,6 @@
 #include "cli/evaluation.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -39,6 +40,15 @@ struct Error2 {
 
 Error2 error_of(const Pose2& pose, const Pose2& truth) {
   return {distance(pose, truth), angle_between(pose, truth)};
+}
+
+/// Normalised estimation error squared: the error in units of what the answer says of its
+/// certainty.
+double nees_of(const LocalizedPose& pose, const Pose2& truth) {
+  const Eigen::Map<const Eigen::Matrix3d> covariance(pose.covariance.data());
+  const Pose2& at = pose.T_map_base_link;
+  const Eigen::Vector3d error{at.x - truth.x, at.y - truth.y, wrap_angle(at.yaw - truth.yaw)};
+  return error.dot(covariance.ldlt().solve(error));
 }
 
 /// One robot from its switch-on to its verdict.
@@ -159,6 +169,7 @@ class Drive {
     const bool right =
         pose.map == maps_[right_map_] && error.m <= kRightDistance && error.rad <= kRightAngle;
     ++(right ? record_.right_after : record_.wrong_after);
+    record_.nees.push_back(nees_of(pose, *scan.T_map_laser));
     return true;
   }
 

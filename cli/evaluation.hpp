@@ -60,6 +60,8 @@ struct StartRecord {
   std::size_t scans = 0;
   std::size_t right_after = 0;  ///< Judged answers after the fix.
   std::size_t wrong_after = 0;
+  std::vector<double>
+      nees;  ///< Of the judged answers after the fix: 3 on average if covariance is right.
   std::vector<double> searching_ms;   ///< Processor time a scan, until the fix.
   std::vector<double> tracking_ms;    ///< A scan, after it.
   std::vector<double> round_trip_ms;  ///< A scan, by the clock on the wall: what a caller waits.

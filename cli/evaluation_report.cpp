@@ -59,6 +59,7 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
   std::size_t within_5m = 0;
   std::size_t right_after = 0;
   std::size_t wrong_after = 0;
+  std::vector<double> nees;
   std::size_t scans = 0;
   std::vector<double> ways;
   std::vector<double> seconds;
@@ -71,6 +72,7 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
     scans += record.scans;
     right_after += record.right_after;
     wrong_after += record.wrong_after;
+    nees.insert(nees.end(), record.nees.begin(), record.nees.end());
     searching.insert(searching.end(), record.searching_ms.begin(), record.searching_ms.end());
     tracking.insert(tracking.end(), record.tracking_ms.begin(), record.tracking_ms.end());
     round_trips.insert(round_trips.end(), record.round_trip_ms.begin(), record.round_trip_ms.end());
@@ -132,6 +134,7 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
       {"error_deg", quantiles(errors_deg, 0.95, "p95")},
       {"tracked_right",
        std::round(1e4 * static_cast<double>(right_after) / static_cast<double>(after)) / 1e4},
+      {"nees", quantiles(nees, 0.95, "p95")},
       {"server_ms_per_scan", costs(all_ms)},
       {"searching_ms_per_scan", costs(searching)},
       {"tracking_ms_per_scan", costs(tracking)},
