@@ -339,7 +339,7 @@ struct Localizer::Impl {
   /// How far below the best candidate, a beam end, a place may lie and still matter. Who asks for
   /// an endless gap wants to know all.
   [[nodiscard]] double margin_to_look_at() const {
-    constexpr double kMoreThanSure = 0.995;
+    constexpr double kMoreThanSure = 0.998;
     if (candidates.empty()) return kRivalMargin;
     const double needed = needed_gap(kMoreThanSure) / std::max(1, candidates.front().score.ends);
     if (std::isfinite(needed) && !may_be_fix()) return kSeedMargin;
