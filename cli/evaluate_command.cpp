@@ -15,6 +15,7 @@ struct EvaluateArguments {
   std::string log;
   std::string map_log;
   std::string other_map_log;
+  std::string map_grid;
   std::string method = std::string(to_string(LocalizerParams{}.method));
   std::string extractor = std::string(to_string(LocalizerParams{}.extractor));
   std::string csv;
@@ -83,16 +84,22 @@ int run_evaluate(EvaluateArguments& arguments) {
     own_map_log = std::move(*other);
   }
   const RecordedLog& map_source = own_map_log ? *own_map_log : *log;
-  const std::size_t end =
-      own_map_log ? own_map_log->scans.size() : split_index(*log, options.split);
-  Evaluation evaluation = map_from(map_source, end, options.mapper);
+  const bool has_grid = !arguments.map_grid.empty();
+  const std::size_t end = own_map_log ? own_map_log->scans.size()
+                          : has_grid  ? log->scans.size()
+                                      : split_index(*log, options.split);
+  Result<Evaluation> made = has_grid
+                                ? map_from_floor_map(arguments.map_grid, *log, options.mapper)
+                                : Result<Evaluation>(map_from(map_source, end, options.mapper));
+  if (!made) return fail(made.error());
+  Evaluation evaluation = std::move(*made);
   // In a building of its own no place is near a mapped one and every fix is a false one.
   const bool elsewhere = !arguments.other_map_log.empty();
   const std::size_t right_map = elsewhere ? kNoMap : 0;
 
   Progress progress("starts");
   evaluation.records =
-      evaluate(*log, own_map_log ? 0 : end, {evaluation.map}, right_map,
+      evaluate(*log, own_map_log || has_grid ? 0 : end, {evaluation.map}, right_map,
                elsewhere ? std::vector<Point2>{} : evaluation.mapping_positions, options,
                [&](std::size_t done, std::size_t all) {
                  progress.update(static_cast<double>(done) / static_cast<double>(all));
@@ -134,6 +141,12 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
                    "Log of another building that makes the map: every fix is a false one")
       ->check(CLI::ExistingFile)
       ->excludes(map_log);
+  command
+      ->add_option("--map-grid", arguments->map_grid,
+                   "ROS floor map (yaml) that is the map, in LOG's frame; all of LOG asks")
+      ->check(CLI::ExistingFile)
+      ->excludes(map_log)
+      ->excludes("--elsewhere");
   command->add_option("--starts", options.starts, "Robots switched on along LOG");
   command->add_option("--near", options.near_m,
                       "Metres from a mapping pose: a start in the mapped part");

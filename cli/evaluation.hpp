@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <iosfwd>
 #include <optional>
@@ -76,6 +77,12 @@ struct Evaluation {
 /// The map of the scans before `end`, as a server would make it; no records yet.
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::size_t end,
                                   const MapperParams& params);
+
+/// The map of a ROS floor map alone; all that `log` drives through counts as mapped. Says on stderr
+/// what map_from_grid() warns of.
+[[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
+                                                    const RecordedLog& log,
+                                                    const MapperParams& params);
 
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
