@@ -65,7 +65,7 @@ std::int64_t pragma(SQLite::Database& database, const char* name) {
   return database.execAndGet(std::string("PRAGMA ") + name).getInt64();
 }
 
-Result<void> check(SQLite::Database& database, const ImageKind& kind) {
+Result<void> check(SQLite::Database& database, const ImageKind& kind, std::size_t size) {
   if (pragma(database, "application_id") != kind.application_id)
     return of_another_kind("the file is not an archive of a map: its application_id is another");
   const std::int64_t version = pragma(database, "user_version");
@@ -75,6 +75,12 @@ Result<void> check(SQLite::Database& database, const ImageKind& kind) {
   }
   if (schema_of(database) != schema_of(*make_image(kind)))
     return of_another_kind("the archive's tables are not those of an archive");
+  // SQLite would read what is missing of the last page as zeros.
+  const std::int64_t expected = pragma(database, "page_count") * pragma(database, "page_size");
+  if (expected != static_cast<std::int64_t>(size)) {
+    return malformed("the archive has " + std::to_string(size) + " bytes, expected " +
+                     std::to_string(expected));
+  }
   const std::string found = database.execAndGet("PRAGMA integrity_check(1)").getString();
   if (found != "ok") return malformed("the archive is damaged: " + found);
   return {};
@@ -107,7 +113,8 @@ Result<std::unique_ptr<SQLite::Database>> open_untrusted_image(std::span<const s
     distrust(database->getHandle());
     load(*database, bytes);
     database->exec("PRAGMA cell_size_check = ON");
-    if (const Result<void> sound = check(*database, kind); !sound) return sound.error();
+    if (const Result<void> sound = check(*database, kind, bytes.size()); !sound)
+      return sound.error();
     return database;
   });
   // Whatever is wrong with the bytes is the fault of who sent them, not of our own file.
