@@ -50,7 +50,7 @@ forbid(FILES server/localization_service.* PATTERN "${include}(nlohmann|simdjson
   REASON "the use cases know no HTTP, JSON or SQL")
 
 # One door for each third-party header.
-forbid(FILES ${all} EXCEPT "^storage/database" PATTERN "${include}sqlite3" REASON "sqlite3.h is for storage/database.cpp")
+forbid(FILES ${all} EXCEPT "^storage/database" PATTERN "${include}sqlite3" REASON "sqlite3.h is for storage/database*.cpp")
 forbid(FILES ${all} EXCEPT "^storage/" PATTERN "${include}SQLiteCpp" REASON "SQLiteCpp is for storage")
 forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httplib"
   REASON "httplib.h is for sources of server and cli, never for a header")
