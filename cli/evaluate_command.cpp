@@ -20,6 +20,7 @@ struct EvaluateArguments {
   std::string lidar;
   std::string map_log;
   std::string other_map_log;
+  std::string map_grid;
   std::vector<std::string> further_map_logs;  ///< Searched beside the right map.
   std::string split = "0.5";
   std::size_t stride = 1;
@@ -127,7 +128,13 @@ Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) 
   Result<RecordedLog> log = read_whole_log(arguments.log, arguments);
   if (!log) return log.error();
   Task task{std::move(*log), {}, {}, {}};
-  if (arguments.mapping_log().empty()) {
+  if (!arguments.map_grid.empty()) {
+    Result<Evaluation> made =
+        map_from_floor_map(arguments.map_grid, task.log, arguments.options.mapper);
+    if (!made) return made.error();
+    task.asking = posed_scans(task.log, 0, task.log.scans.size());
+    task.evaluation = std::move(*made);
+  } else if (arguments.mapping_log().empty()) {
     DividedLog divided = divide(task.log, split);
     if (divided.mapping.empty()) {
       return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose in the part that maps",
@@ -227,6 +234,12 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
                    "Log of another building that makes the map: every fix is a false one")
       ->check(CLI::ExistingFile)
       ->excludes(map_log);
+  command
+      ->add_option("--map-grid", arguments->map_grid,
+                   "ROS floor map (yaml) that is the map, in LOG's frame; all of LOG asks")
+      ->check(CLI::ExistingFile)
+      ->excludes(map_log)
+      ->excludes("--elsewhere");
   command
       ->add_option("--any-map", arguments->further_map_logs,
                    "Logs of other buildings: look in their maps as well")

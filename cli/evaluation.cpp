@@ -5,11 +5,15 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <limits>
 #include <mutex>
 #include <numbers>
 #include <thread>
+
+#include <cornerfix/grid_mapping.hpp>
+#include <cornerfix/map_image.hpp>
 
 #include "cli/log_split.hpp"
 
@@ -231,6 +235,25 @@ Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping
     if (mapper.is_key_frame(posed)) mapper.add(std::move(posed));
   }
   evaluation.map = std::make_shared<const LocalizationMap>(log.header.name, 1, mapper.build());
+  evaluation.map_seconds = 1e-3 * (thread_ms() - begin);
+  return evaluation;
+}
+
+Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const RecordedLog& log,
+                                      const MapperParams& params) {
+  const Result<OccupancyGrid> floor_map = read_map_files(yaml);
+  if (!floor_map) return floor_map.error();
+  const double begin = thread_ms();
+  Result<GridMap> map = map_from_grid(*floor_map, params);
+  if (!map) return map.error();
+  for (const std::string& warning : map->warnings)
+    std::fprintf(stderr, "%s: %s\n", yaml.c_str(), warning.c_str());
+  Evaluation evaluation;
+  for (const LogScan& scan : log.scans) {
+    if (scan.T_map_laser) evaluation.mapping_positions.push_back(scan.T_map_laser->translation());
+  }
+  evaluation.map =
+      std::make_shared<const LocalizationMap>(log.header.name, 1, std::move(map->content));
   evaluation.map_seconds = 1e-3 * (thread_ms() - begin);
   return evaluation;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -86,6 +87,12 @@ using ShareDone = std::function<void(std::size_t, std::size_t)>;
 /// The same of the posed scans with these indices.
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
                                   const MapperParams& params, const ShareDone& progress = {});
+
+/// The map of a ROS floor map alone; all that `log` drives through counts as mapped. Says on stderr
+/// what map_from_grid() warns of.
+[[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
+                                                    const RecordedLog& log,
+                                                    const MapperParams& params);
 
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);

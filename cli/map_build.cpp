@@ -1,9 +1,7 @@
 #include "cli/map_build.hpp"
 
-#include <spdlog/fmt/chrono.h>
-
+#include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <optional>
 #include <span>
@@ -100,11 +98,6 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans&
 
 // --- into a file --------------------------------------------------------------------------------
 
-/// RFC 3339 in UTC.
-std::string now_text() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
-
 /// What the request checks over HTTP is checked here as well.
 Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
                           const LogHeader& header) {
@@ -131,7 +124,7 @@ std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
 Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
-  server::MapLibrary library(*stores, {}, now_text);
+  server::MapLibrary library(*stores, {}, utc_now_text);
   const Result<void> described = describe_map(library, arguments, scans.log().header());
   if (!described) return described.error();
   Progress progress("mapping");

@@ -80,7 +80,15 @@ CREATE TABLE submap_scans (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
-constexpr std::array<const char*, 1> kMigrations = {kCreateTables};
+// The source of a map that was made from a floor map instead of scans.
+constexpr const char* kCreateMapGrids = R"sql(
+CREATE TABLE map_grids (
+  map_id INTEGER PRIMARY KEY REFERENCES maps (id) ON DELETE CASCADE,
+  grid   BLOB    NOT NULL
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 2> kMigrations = {kCreateTables, kCreateMapGrids};
 
 }  // namespace
 
