@@ -37,7 +37,9 @@ enum class Kind : std::uint8_t {
 };
 
 /// The version that is written. All before it can be read.
-constexpr std::uint8_t newest_version(Kind kind) { return kind == Kind::kFeatures ? 2 : 1; }
+constexpr std::uint8_t newest_version(Kind kind) {
+  return kind == Kind::kFeatures || kind == Kind::kLocalizerState ? 2 : 1;
+}
 
 template <std::unsigned_integral T>
 void store_little_endian(std::uint8_t* to, T value) {
@@ -223,15 +225,15 @@ void put_grid_header(Writer& writer, const OccupancyGrid& grid) {
   writer.signed_integer(grid.height);
 }
 
-void put_optional_stamp(Writer& writer, const std::optional<double>& stamp) {
-  writer.integer(static_cast<std::uint8_t>(stamp.has_value()));
-  writer.real(stamp.value_or(0.0));
+void put_optional_real(Writer& writer, const std::optional<double>& value) {
+  writer.integer(static_cast<std::uint8_t>(value.has_value()));
+  writer.real(value.value_or(0.0));
 }
 
-std::optional<double> take_optional_stamp(Reader& reader) {
+std::optional<double> take_optional_real(Reader& reader) {
   const bool present = reader.integer<std::uint8_t>() != 0;
-  const double stamp = reader.real();
-  return present ? std::optional(stamp) : std::nullopt;
+  const double value = reader.real();
+  return present ? std::optional(value) : std::nullopt;
 }
 
 void put_optional_pose(Writer& writer, const std::optional<Pose2>& pose) {
@@ -407,14 +409,14 @@ Result<SubmapScan> decode_submap_scan(BlobView blob) {
 }
 
 Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
-  constexpr std::size_t kFixedSize = 152;
+  constexpr std::size_t kFixedSize = 250;
   Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
   writer.integer(state.next_index);
   writer.integer(state.scans);
   writer.pose(state.T_submap_base_link);
   writer.pose(state.last_motion);
   writer.real(state.way_m);
-  put_optional_stamp(writer, state.last_stamp);
+  put_optional_real(writer, state.last_stamp);
   put_optional_pose(writer, state.last_T_odom_base_link);
   writer.integer(static_cast<std::uint8_t>(state.status));
   writer.integer(static_cast<std::uint8_t>(state.reason));
@@ -422,6 +424,10 @@ Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapS
   writer.signed_integer(state.tracked_map);
   writer.pose(state.T_map_submap);
   writer.signed_integer(state.misfits);
+  writer.real(state.misfit_way_m);
+  for (const double value : state.tracking_covariance) writer.real(value);
+  put_optional_real(writer, state.usual_fit);
+  put_optional_real(writer, state.usual_share);
   writer.count(submap.size());
   for (const SubmapScanKey& key : submap) {
     writer.integer(key.index);
@@ -440,7 +446,7 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
   state.T_submap_base_link = reader->pose();
   state.last_motion = reader->pose();
   state.way_m = reader->real();
-  state.last_stamp = take_optional_stamp(*reader);
+  state.last_stamp = take_optional_real(*reader);
   state.last_T_odom_base_link = take_optional_pose(*reader);
   const auto status = reader->integer<std::uint8_t>();
   state.status = static_cast<Status>(status);
@@ -450,6 +456,12 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
   state.tracked_map = reader->signed_integer();
   state.T_map_submap = reader->pose();
   state.misfits = reader->signed_integer();
+  if (blob[0] > 1) {
+    state.misfit_way_m = reader->real();
+    for (double& value : state.tracking_covariance) value = reader->real();
+    state.usual_fit = take_optional_real(*reader);
+    state.usual_share = take_optional_real(*reader);
+  }
   outline.submap.resize(reader->count(kSubmapScanKeySize));
   for (SubmapScanKey& key : outline.submap) {
     key.index = reader->integer<std::uint64_t>();

@@ -608,8 +608,13 @@ LocalizerState Localizer::state() const {
   if (impl_->fix) {
     state.tracked_map = static_cast<int>(impl_->fix->map);
     state.T_map_submap = impl_->fix->T_map_submap;
+    const Eigen::Matrix3d& covariance = impl_->tracker.filtered_covariance();
+    std::copy_n(covariance.data(), 9, state.tracking_covariance.begin());
+    state.usual_fit = impl_->tracker.usual_fit();
   }
   state.misfits = impl_->misfits;
+  state.misfit_way_m = impl_->misfit_way_m;
+  state.usual_share = impl_->usual_share;
   return state;
 }
 
@@ -630,11 +635,17 @@ void Localizer::restore(LocalizerState state) {
   impl_->reason = state.reason;
   impl_->confidence = state.confidence;
   impl_->misfits = state.misfits;
+  impl_->misfit_way_m = state.misfit_way_m;
+  impl_->usual_share = state.usual_share;
   if (state.tracked_map >= 0 && static_cast<std::size_t>(state.tracked_map) < impl_->maps.size()) {
     Candidate fix{static_cast<std::size_t>(state.tracked_map), state.T_map_submap, 0, 0, {}};
     fix.score =
         score_evidence(impl_->maps[fix.map]->classes(), impl_->submap.evidence(), fix.T_map_submap);
     impl_->begin_tracking(fix);
+    const Eigen::Map<const Eigen::Matrix3d> covariance(state.tracking_covariance.data());
+    if (covariance.trace() > 0.0) {
+      impl_->tracker = PoseTracker(impl_->tracker.T_map_base_link(), covariance, state.usual_fit);
+    }
   } else if (impl_->status == Status::kLocalized) {
     impl_->status = Status::kCollecting;
     impl_->reason = Reason::kNoMatch;

@@ -62,6 +62,10 @@ PoseTracker::PoseTracker(const Pose2& T_map_base_link)
                                   squared(kFixSigmaYaw)}
                       .asDiagonal()) {}
 
+PoseTracker::PoseTracker(const Pose2& T_map_base_link, const Eigen::Matrix3d& filtered_covariance,
+                         std::optional<double> usual_fit)
+    : T_map_base_link_(T_map_base_link), covariance_(filtered_covariance), usual_fit_(usual_fit) {}
+
 void PoseTracker::predict(const Pose2& motion, bool matched) {
   const Pose2 before = T_map_base_link_;
   T_map_base_link_ = before * motion;

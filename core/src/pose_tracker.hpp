@@ -27,6 +27,9 @@ class PoseTracker {
  public:
   PoseTracker() = default;
   explicit PoseTracker(const Pose2& T_map_base_link);
+  /// Goes on from what filtered_covariance() and usual_fit() said.
+  PoseTracker(const Pose2& T_map_base_link, const Eigen::Matrix3d& filtered_covariance,
+              std::optional<double> usual_fit);
 
   /// The robot moved by `motion`, from base_link to base_link.
   /// \param matched  Whether scan matching confirms the motion, or odometry alone tells it.
@@ -39,6 +42,8 @@ class PoseTracker {
   [[nodiscard]] const Pose2& T_map_base_link() const { return T_map_base_link_; }
   /// Of x, y, yaw along the axes of the map; what the map itself may be off by is added.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
+  [[nodiscard]] const Eigen::Matrix3d& filtered_covariance() const { return covariance_; }
+  [[nodiscard]] std::optional<double> usual_fit() const { return usual_fit_; }
 
  private:
   Pose2 T_map_base_link_;

@@ -90,9 +90,14 @@ struct LocalizerState {
   Status status = Status::kCollecting;
   Reason reason = Reason::kFewFeatures;
   double confidence = 0.0;
-  int tracked_map = -1;  ///< Index into the localizer's maps, or -1.
-  Pose2 T_map_submap;    ///< Valid while tracked_map >= 0.
-  int misfits = 0;       ///< Consecutive scans that did not fit while localized.
+  int tracked_map = -1;       ///< Index into the localizer's maps, or -1.
+  Pose2 T_map_submap;         ///< Valid while tracked_map >= 0.
+  int misfits = 0;            ///< Consecutive scans that did not fit while localized.
+  double misfit_way_m = 0.0;  ///< Driven since a scan fitted.
+  /// Row-major, of x, y, yaw; all zeros: that of a new fix.
+  std::array<double, 9> tracking_covariance{};
+  std::optional<double> usual_fit;    ///< Share of a scan's ends that are on walls where mapped.
+  std::optional<double> usual_share;  ///< Share of a scan's points that match the submap.
 };
 
 /// Localizes one robot. Deterministic: same maps, params and scans give the same answers.

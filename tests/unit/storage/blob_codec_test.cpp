@@ -139,7 +139,8 @@ TEST_P(EveryBlob, SurvivesAnyResealedByte) {
 
 TEST(BlobCodec, BeginsWithVersionAndKind) {
   for (std::size_t i = 0; i < codecs().size(); ++i) {
-    EXPECT_EQ(codecs()[i].sample[0], codecs()[i].name == "Features" ? 2 : 1);
+    const bool second = codecs()[i].name == "Features" || codecs()[i].name == "LocalizerState";
+    EXPECT_EQ(codecs()[i].sample[0], second ? 2 : 1);
     EXPECT_EQ(codecs()[i].sample[1], i + 1) << codecs()[i].name;
   }
 }
@@ -207,6 +208,19 @@ TEST(BlobCodec, GivesBackALocalizerStateBitForBit) {
       decode_localizer_state(encode_localizer_state(state, keys)).value();
   EXPECT_TRUE(is_same(outline.state, state));
   EXPECT_EQ(outline.submap, keys);
+}
+
+TEST(BlobCodec, ReadsALocalizerStateOfTheFirstVersion) {
+  LocalizerState state = sample_state(0, 0, 3);
+  const Blob newest = encode_localizer_state(state, {});
+  Blob first(newest.begin(), newest.begin() + 150);
+  first.insert(first.end(), newest.begin() + 150 + 98, newest.end());
+  first[0] = 1;
+  state.misfit_way_m = 0.0;
+  state.tracking_covariance = {};
+  state.usual_fit.reset();
+  state.usual_share.reset();
+  EXPECT_TRUE(is_same(decode_localizer_state(resealed(first)).value().state, state));
 }
 
 TEST(BlobCodec, GivesBackAFreshLocalizerState) {

@@ -142,6 +142,10 @@ LocalizerState sample_state(std::uint64_t first_index, int count, int seed) {
   state.tracked_map = 2;
   state.T_map_submap = {4.0, 5.0, 6.0};
   state.misfits = 3;
+  state.misfit_way_m = 0.7;
+  state.tracking_covariance = {4e-4, 1e-5, 0.0, 1e-5, 9e-4, 0.0, 0.0, 0.0, 1e-5};
+  state.usual_fit = 0.8;
+  state.usual_share = 0.9;
   return state;
 }
 
@@ -204,7 +208,9 @@ bool is_same(const LocalizerState& a, const LocalizerState& b) {
          a.last_stamp == b.last_stamp && same_odometry && a.status == b.status &&
          a.reason == b.reason && same(a.confidence, b.confidence) &&
          a.tracked_map == b.tracked_map && is_same(a.T_map_submap, b.T_map_submap) &&
-         a.misfits == b.misfits;
+         a.misfits == b.misfits && a.misfit_way_m == b.misfit_way_m &&
+         a.tracking_covariance == b.tracking_covariance && a.usual_fit == b.usual_fit &&
+         a.usual_share == b.usual_share;
 }
 
 bool is_same(const SessionRecord& a, const SessionRecord& b) {
