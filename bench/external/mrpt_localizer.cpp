@@ -18,8 +18,7 @@
 namespace cornerfix::bench {
 namespace {
 
-constexpr double kKnownPosition = 0.5;                 // [m] of a pose that is told
-constexpr double kKnownYaw = std::numbers::pi / 12.0;  // [rad]
+constexpr double kKnownPosition = 0.5;  // [m] of a pose that is told
 
 float free_probability(Cell cell) {
   switch (cell) {
@@ -158,10 +157,8 @@ class MrptLocalizer : public Rival {
     mean_ = {x / weights, y / weights, std::atan2(s, c)};
     const double variance_x = xx / weights - mean_.x * mean_.x;
     const double variance_y = yy / weights - mean_.y * mean_.y;
-    const double resultant = std::min(1.0, std::hypot(c, s) / weights);
     constexpr double kVariance = kKnownPosition * kKnownPosition;
-    return variance_x <= kVariance && variance_y <= kVariance &&
-           std::sqrt(-2.0 * std::log(resultant)) <= kKnownYaw;
+    return variance_x <= kVariance && variance_y <= kVariance;
   }
 
   std::shared_ptr<const MrptMap> map_;

@@ -37,8 +37,8 @@ class MrptMap {
 };
 
 /// CMonteCarloLocalization2D with KLD sampling, its default likelihood field of Thrun, a uniform
-/// start. The pose is told once the particles are no wider than 0.5 m and 15 deg; from then on
-/// always. MRPT keeps its random numbers in one place: one such robot at a time.
+/// start. The pose is told once the particles are no wider than 0.5 m, and from then on always.
+/// MRPT keeps its random numbers in one place: one such robot at a time.
 [[nodiscard]] std::unique_ptr<Rival> make_mrpt_localizer(std::shared_ptr<const MrptMap> map,
                                                          const MrptParams& params);
 

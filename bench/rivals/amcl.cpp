@@ -13,6 +13,7 @@ namespace {
 constexpr double kKnownPosition = 0.5;                 // [m] of a known start
 constexpr double kKnownYaw = std::numbers::pi / 12.0;  // [rad]
 constexpr double kConvergedWeight = 0.95;
+constexpr double kConvergedPosition = 0.5;  // [m]
 
 /// Particles so that the distribution over `bins` is within kld_err of the true one (Fox 2001).
 std::size_t kld_limit(std::size_t bins, const AmclParams& params) {
@@ -83,9 +84,9 @@ RivalAnswer Amcl::process(const RobotScan& scan) {
   weigh(scan);
   if (++updates_ % params_.resample_interval == 0) resample();
   find_heaviest_cluster();
-  converged_ = converged_ ||
-               (heaviest_.weight >= kConvergedWeight && heaviest_.deviation.x <= kKnownPosition &&
-                heaviest_.deviation.y <= kKnownPosition && heaviest_.deviation.yaw <= kKnownYaw);
+  converged_ = converged_ || (heaviest_.weight >= kConvergedWeight &&
+                              heaviest_.deviation.x <= kConvergedPosition &&
+                              heaviest_.deviation.y <= kConvergedPosition);
   if (!converged_) return {};
   return {heaviest_.mean, true};
 }

@@ -50,14 +50,15 @@ struct ParticleCluster {
 };
 
 /// One robot in one map. The pose is the mean of the heaviest cluster. It is told once that cluster
-/// has 0.95 of the weight and is no wider than what ROS's AMCL takes a known start to be (0.5 m, 15
-/// deg); from then on always.
+/// has 0.95 of the weight and is no wider than 0.5 m, and from then on always. (ROS's AMCL tells it
+/// from the first scan on; what it calls converged looks at positions only, too.)
 class Amcl : public Rival {
  public:
   /// `grid` and `field` must outlive it. Starts with particles all over the free space.
   Amcl(const OccupancyGrid& grid, const DistanceField& field, const AmclParams& params);
 
-  /// Begins anew about a known pose, with the deviations above.
+  /// Begins anew about a known pose, as unsure of it as ROS takes a known start to be (0.5 m, 15
+  /// deg).
   void set_pose(const Pose2& T_map_base_link);
 
   [[nodiscard]] RivalAnswer process(const RobotScan& scan) override;

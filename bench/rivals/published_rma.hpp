@@ -21,9 +21,9 @@
 namespace cornerfix::bench {
 
 struct PublishedRmaParams {
-  int min_votes = 6;            ///< S_t of algorithm 3; the paper does not tell its value.
-  SampledMatchParams sampling;  ///< p and N/N_local of eq. (18).
-  PoseEstimatorParams estimator;
+  int min_votes = 6;              ///< S_t of algorithm 3; the paper does not tell its value.
+  SampledMatchParams sampling{};  ///< p and N/N_local of eq. (18).
+  PoseEstimatorParams estimator{};
 };
 
 /// One robot in one map, whose features must be VFP corners.
