@@ -26,8 +26,8 @@ constexpr int kPyramidDepth = 7;              // the paper's setting for Cartogr
 constexpr double kWindow = 7.0;               // [m] likewise
 constexpr double kWindowAngle = 0.5236;       // 30 deg, likewise
 constexpr double kMinScore = 0.6;             // Cartographer's for global constraints
-constexpr std::size_t kSearchedPoints = 200;  // Cartographer's adaptive voxel filter
-constexpr double kSearchedSpacing = 0.5;      // [m] likewise
+constexpr std::size_t kSearchedPoints = 100;  // Cartographer's filter of scans to search for
+constexpr double kSearchedSpacing = 0.9;      // [m] likewise
 
 /// A rival's answers in the terms of the score, each scan that it worked on timed.
 cli::ScoredRobot scored(std::unique_ptr<Rival> rival, const LocalizationMapPtr& map,

@@ -18,7 +18,6 @@ namespace cornerfix::bench {
 namespace {
 
 constexpr double kSide = 25.0;  // [m]
-const Point2 kStart(12.5, 12.5);
 
 struct WorldsArguments {
   std::size_t worlds = 20;
@@ -28,70 +27,88 @@ struct WorldsArguments {
 
 using testing::SceneBuilder;
 
-/// Boxes anywhere but near the start, at least `clear_m` off it and `reach_m` at most.
-void add_boxes(SceneBuilder& scene, int count, double clear_m, double reach_m,
+/// Boxes anywhere in the world at least `clear_m` off the start and `reach_m` at most.
+void add_boxes(SceneBuilder& scene, const Point2& start, int count, double clear_m, double reach_m,
                std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0.0, 1.0), size(0.4, 2.0), turn(-1.5, 1.5);
   for (int placed = 0; placed < count;) {
     const Point2 center = kSide * Point2(share(random), share(random));
-    const double distance_m = (center - kStart).norm();
+    const double distance_m = (center - start).norm();
     if (distance_m < clear_m || distance_m > reach_m) continue;
     scene.box(center, {size(random), size(random)}, turn(random));
     ++placed;
   }
 }
 
-/// A hall with inner walls and boxes, none like another.
-SceneBuilder static_world(std::mt19937_64& random) {
-  SceneBuilder scene = SceneBuilder()
-                           .room({0, 0}, {kSide, kSide})
-                           .wall({8, 0}, {8, 6})
-                           .wall({0, 16}, {6, 16})
-                           .wall({17, 25}, {17, 18})
-                           .wall({25, 9}, {19, 9});
-  add_boxes(scene, 14, 2.5, kSide, random);
-  return scene;
-}
-
-/// Four quarters with the same boxes, and a few that only one has, far from the start.
-SceneBuilder similar_world(std::mt19937_64& random) {
-  SceneBuilder scene = SceneBuilder().room({0, 0}, {kSide, kSide});
-  std::uniform_real_distribution<double> at(1.5, 9.5), size(0.5, 1.5), turn(-1.5, 1.5);
-  for (int i = 0; i < 5; ++i) {
-    const Point2 center(at(random), at(random));
-    const Point2 extent(size(random), size(random));
-    const double yaw = turn(random);
-    for (const double x : {0.0, kSide / 2.0}) {
-      for (const double y : {0.0, kSide / 2.0}) scene.box(center + Point2(x, y), extent, yaw);
-    }
-  }
-  add_boxes(scene, 3, 8.0, kSide, random);
-  return scene;
-}
-
 struct World {
   SceneBuilder mapped;
   SceneBuilder now;
+  Point2 start;
 };
 
-World make_world(const std::string& kind, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  World world;
-  world.mapped = kind == "similar" ? similar_world(random) : static_world(random);
+/// A hall with inner walls and boxes, none like another.
+World static_world(std::mt19937_64& random) {
+  World world{SceneBuilder()
+                  .room({0, 0}, {kSide, kSide})
+                  .wall({8, 0}, {8, 6})
+                  .wall({0, 16}, {6, 16})
+                  .wall({17, 25}, {17, 18})
+                  .wall({25, 9}, {19, 9}),
+              {},
+              {kSide / 2.0, kSide / 2.0}};
+  add_boxes(world.mapped, world.start, 14, 2.5, kSide, random);
   world.now = world.mapped;
-  if (kind == "changed") add_boxes(world.now, 12, 1.2, 5.0, random);
   return world;
 }
 
+World changed_world(std::mt19937_64& random) {
+  World world = static_world(random);
+  add_boxes(world.now, world.start, 12, 1.2, 5.0, random);
+  return world;
+}
+
+/// Four rooms with the same boxes that open into each other; three more boxes lie in other rooms
+/// than the start.
+World similar_world(std::mt19937_64& random) {
+  constexpr double kRoom = kSide / 2.0;
+  constexpr double kDoor = 1.6;
+  World world{SceneBuilder().room({0, 0}, {kSide, kSide}), {}, {kRoom / 2.0, kRoom / 2.0}};
+  const double doors[] = {kRoom / 2.0, 1.5 * kRoom};
+  double begin = 0.0;
+  for (const double door : {doors[0], doors[1], kSide + kDoor / 2.0}) {
+    world.mapped.wall({kRoom, begin}, {kRoom, door - kDoor / 2.0});
+    world.mapped.wall({begin, kRoom}, {door - kDoor / 2.0, kRoom});
+    begin = door + kDoor / 2.0;
+  }
+  SceneBuilder boxes;
+  add_boxes(boxes, world.start, 3, 2.0, 4.5, random);
+  for (const double x : {0.0, kRoom}) {
+    for (const double y : {0.0, kRoom}) {
+      const SceneBuilder moved = boxes.moved({x, y, 0.0});
+      for (const testing::Wall& wall : moved.walls()) world.mapped.wall(wall.a, wall.b);
+    }
+  }
+  add_boxes(world.mapped, world.start, 3, 10.0, kSide, random);
+  world.now = world.mapped;
+  return world;
+}
+
+World make_world(const std::string& kind, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  if (kind == "static") return static_world(random);
+  return kind == "changed" ? changed_world(random) : similar_world(random);
+}
+
 /// Once round on the spot, as in the paper, then about the world.
-std::vector<Pose2> way_through(const SceneBuilder& scene, double yaw) {
+std::vector<Pose2> way_through(const World& world, double yaw) {
   std::vector<Pose2> poses;
   constexpr int kTurns = 36;
   for (int i = 0; i < kTurns; ++i) {
     poses.push_back(
-        {kStart.x(), kStart.y(), wrap_angle(yaw + i * 2.0 * std::numbers::pi / kTurns)});
+        {world.start.x(), world.start.y(), wrap_angle(yaw + i * 2.0 * std::numbers::pi / kTurns)});
   }
-  const auto onward = testing::wander(scene, {kStart.x(), kStart.y(), wrap_angle(yaw)}, 120);
+  const auto onward =
+      testing::wander(world.now, {world.start.x(), world.start.y(), wrap_angle(yaw)}, 120);
   poses.insert(poses.end(), onward.begin(), onward.end());
   return poses;
 }
@@ -125,13 +142,13 @@ class WorldsExperiment {
   void run(const std::string& kind, std::uint64_t seed) {
     const World world = make_world(kind, seed);
     const MappedBuilding building =
-        map_building(kind, testing::mapping_scans(world.mapped, kStart));
+        map_building(kind, testing::mapping_scans(world.mapped, world.start));
     const testing::Robot robot{
         .lidar = {.beams = 721, .field_of_view_rad = std::numbers::pi, .noise_m = 0.01},
         .odometry_scale = 1.01};
     const double yaw = static_cast<double>(seed);
     const cli::RecordedLog log =
-        record(kind, testing::drive(world.now, robot, way_through(world.now, yaw), seed));
+        record(kind, testing::drive(world.now, robot, way_through(world, yaw), seed));
     const std::size_t corners =
         extract_corners(log.scans.front().scan, CornerExtractor::kTwoArm).size();
     for (const std::string& method : arguments_.methods) {
@@ -144,7 +161,8 @@ class WorldsExperiment {
       options.make_robot = [&](const cli::LogScan& first) {
         return contestant.switch_on(first, times);
       };
-      const auto records = cli::evaluate(log, 0, {building.map}, 0, {kStart}, options, nullptr);
+      const auto records =
+          cli::evaluate(log, 0, {building.map}, 0, {world.start}, options, nullptr);
       write(kind, seed, method, records.front(), corners);
     }
   }
@@ -160,9 +178,10 @@ class WorldsExperiment {
                record.truth.x, record.truth.y);
   }
 
-  /// The first world of a kind, for a figure.
+  /// The first world of a kind, for a figure; the start is a wall without length.
   void draw(const std::string& kind) {
     const World world = make_world(kind, 0);
+    walls_.row(kind, "start", world.start.x(), world.start.y(), world.start.x(), world.start.y());
     const std::size_t mapped = world.mapped.walls().size();
     for (std::size_t i = 0; i < world.now.walls().size(); ++i) {
       const testing::Wall& wall = world.now.walls()[i];
