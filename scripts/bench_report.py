@@ -273,7 +273,7 @@ def worlds(report):
     report.say(
         "## Worlds: the paper's section 4.4, figures 9-11",
         "25 by 25 m, a lidar of 180 deg at .25 deg and .01 m; the robot turns once on the spot, then drives about for up to 20 m. "
-        "*static*: as mapped; *changed*: twelve boxes more within 5 m of the start; *similar*: four quarters alike but for three boxes.",
+        "*static*: as mapped; *changed*: twelve boxes more within 5 m of the start; *similar*: four rooms with the same boxes, and three boxes more in the other rooms.",
     )
     lines = []
     for kind in kinds:
@@ -297,12 +297,13 @@ def worlds(report):
     _, axes = plt.subplots(1, 3, figsize=(13, 4.4))
     for axis, kind in zip(axes, kinds):
         for wall in walls:
-            if wall["world"] == kind:
+            if wall["world"] == kind and wall["kind"] == "start":
+                axis.plot(wall["x0_m"], wall["y0_m"], "k*", ms=9)
+            elif wall["world"] == kind:
                 axis.plot([wall["x0_m"], wall["x1_m"]], [wall["y0_m"], wall["y1_m"]], color="k" if wall["kind"] == "mapped" else "#ff7f0e", lw=1)
         for method in methods:
             of = [row for row in rows if row["world"] == kind and row["method"] == method and row["verdict"] == "fixed"]
             axis.plot([row["x_m"] for row in of], [row["y_m"] for row in of], ".", color=METHODS[method][1], label=METHODS[method][0], alpha=0.7)
-        axis.plot(12.5, 12.5, "k*", ms=9)
         axis.set(title=kind, aspect="equal")
     axes[0].legend(fontsize=8)
     report.figure(
@@ -343,7 +344,7 @@ def robots(report, starts, times, buildings):
         "- *Branch and bound* is Cartographer's (7 levels, minimum score .6, a grid of probabilities of its own): over the whole map, and with "
         "the paper's window of 7 m and 30 deg, which takes for granted that the place is known so well.\n"
         "- *AMCL* is the algorithm of ROS with its parameters, 20,000 particles all over the map, recovery on; *MRPT* is "
-        "`CMonteCarloLocalization2D` of Debian's package. Their pose counts once the particles are as narrow as ROS takes a known start to be.\n"
+        "`CMonteCarloLocalization2D` of Debian's package. Their pose counts once the particles lie within .5 m (standard deviation).\n"
         "- *RMA as published* believes the first match with more than six votes; *Cornerfix, method rma* verifies it.\n"
         "- The memory of a map is what the method itself searches, without the grid file.",
     )
