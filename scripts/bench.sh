@@ -7,20 +7,21 @@
 # Work is done by single-threaded programs, as many at once as there are cores; times are processor time. Times are worth
 # something only on a machine that does nothing else.
 set -euo pipefail
-cd "$(dirname "$0")/.."
 
 usage() { echo "usage: $0 [--quick] [--data DIR] [--out DIR]" >&2; exit 2; }
-mode=full data='' out=docs
-[[ -d ../shared/data ]] && data=../shared/data
+mode=full data='' out=''
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --quick) mode=quick; shift ;;
-    --data) data=${2:?$(usage)}; shift 2 ;;
-    --out) out=${2:?$(usage)}; shift 2 ;;
+    --data) [[ $# -ge 2 ]] || usage; data=$(realpath -m "$2"); shift 2 ;;
+    --out) [[ $# -ge 2 ]] || usage; out=$(realpath -m "$2"); shift 2 ;;
     *) usage ;;
   esac
 done
 [[ -z $data || -d $data ]] || { echo "$0: no folder $data" >&2; exit 2; }
+cd "$(dirname "$0")/.."
+[[ -n $data || ! -d ../shared/data ]] || data=$(realpath ../shared/data)
+out=${out:-docs}
 began=$SECONDS
 
 scripts/install_dependencies.sh bench
@@ -36,23 +37,33 @@ mkdir -p "$results"
 if [[ $mode == quick ]]; then
   seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 lengths="--mapping-length 500 --asking-length 120"
 else
-  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=10 lengths=""
+  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 lengths=""
 fi
 
-# A name, then how to come by the building.
+# A name, then how to come by the building; those whose files are not there are left out.
 buildings() {
   local logs=$data/logs maps=$data/maps
   if [[ -n $data && $mode == full ]]; then
-    echo "museum --floor-map $maps/deutsches_museum_0.11.yaml"
-    echo "stata --floor-map $maps/stata_basement.yaml"
-    echo "changed_office --floor-map $maps/strands_tsc_y3.yaml --inside $maps/strands_tsc_y4.yaml"
-    echo "aces --log $logs/aces.jsonl.gz --split 0.7"
-    echo "csail --log $logs/csail.jsonl.gz --split 0.4"
-    echo "freiburg_079 --log $logs/freiburg_079.jsonl.gz --split 0.7"
-    echo "fhw --log $logs/fhw.jsonl.gz --split 0.4"
+    simulated museum "$maps/deutsches_museum_0.11.yaml"
+    simulated stata "$maps/stata_basement.yaml"
+    simulated changed_office "$maps/strands_tsc_y3.yaml" "$maps/strands_tsc_y4.yaml"
+    recorded aces "$logs/aces.jsonl.gz" 0.7
+    recorded csail "$logs/csail.jsonl.gz" 0.4
+    recorded freiburg_079 "$logs/freiburg_079.jsonl.gz" 0.7
+    recorded fhw "$logs/fhw.jsonl.gz" 0.4
   fi
-  [[ -z $data ]] || echo "intel --log $logs/intel.jsonl.gz --split 0.5"
+  [[ -z $data ]] || recorded intel "$logs/intel.jsonl.gz" 0.5
   echo "willow --floor-map tests/data/willow_full_0.05.yaml $lengths"
+}
+recorded() {  # NAME LOG SPLIT
+  if [[ -f $2 ]]; then echo "$1 --log $2 --split $3"; else echo "left out, not there: $2" >&2; fi
+}
+simulated() {  # NAME MAP [INSIDE]
+  if [[ -f $2 && -f ${3:-$2} ]]; then
+    echo "$1 --floor-map $2 ${3:+--inside $3}"
+  else
+    echo "left out, not there: $2 ${3:-}" >&2
+  fi
 }
 
 # A line a program; the long ones first.
@@ -83,7 +94,8 @@ describe_run() {
 }
 
 describe_run >"$results/run.csv"
-work | xargs -P "$(nproc)" -I {} sh -c "$bench {} --out $results"
+buildings 2>&1 >/dev/null | sort -u
+work 2>/dev/null | xargs -P "$(nproc)" -I {} sh -c "$bench {} --out $results"
 echo "run_seconds,$((SECONDS - built))" >>"$results/run.csv"
 
 /usr/bin/python3 scripts/bench_report.py "$results" "$out"

@@ -95,7 +95,6 @@ class MrptLocalizer : public Rival {
       : map_(std::move(map)), filter_(params.update_distance_m, params.update_angle_rad) {
     mrpt::random::getRandomGenerator().randomize(params.seed);
     particle_filter_.m_options.PF_algorithm = mrpt::bayes::CParticleFilter::pfStandardProposal;
-    particle_filter_.m_options.resamplingMethod = mrpt::bayes::CParticleFilter::prSystematic;
     particle_filter_.m_options.adaptiveSampleSize = true;
     particle_filter_.m_options.powFactor = params.power;
     poses_.options.metricMap = map_->impl().grid;
