@@ -75,9 +75,6 @@ MrptMap::MrptMap(const OccupancyGrid& grid) : impl_(std::make_unique<Impl>()) {
     }
   }
   map.likelihoodOptions.likelihoodMethod = mrpt::maps::COccupancyGridMap2D::lmLikelihoodField_Thrun;
-  map.likelihoodOptions.LF_stdHit = 0.2F;
-  map.likelihoodOptions.LF_maxCorrsDistance = 0.5F;
-  map.likelihoodOptions.LF_decimation = 3;
 }
 
 MrptMap::~MrptMap() = default;
@@ -132,6 +129,9 @@ class MrptLocalizer : public Rival {
     mrpt::obs::CActionRobotMovement2D movement;
     mrpt::obs::CActionRobotMovement2D::TMotionModelOptions model;
     model.modelSelection = mrpt::obs::CActionRobotMovement2D::mmGaussian;
+    // Its defaults of 0.01 m and 0.2 deg leave no way from one particle's place to the next one's.
+    model.gaussianModel.minStdXY = 0.10;
+    model.gaussianModel.minStdPHI = std::numbers::pi / 60.0;
     movement.computeFromOdometry(to_mrpt(motion), model);
     mrpt::obs::CActionCollection actions;
     actions.insert(movement);

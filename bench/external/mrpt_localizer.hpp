@@ -13,7 +13,8 @@ namespace cornerfix::bench {
 
 struct MrptParams {
   std::size_t max_particles = 20'000;
-  double power = 0.5;  ///< Of the likelihood (powFactor): 1 takes beams as independent.
+  double power = 0.05;  ///< Of the likelihood (powFactor). 1 takes beams as independent, and the
+                        ///< particles then gather at one place within two updates, right or not.
   double update_distance_m = 0.2;
   double update_angle_rad = 0.5236;
   std::uint32_t seed = 1;

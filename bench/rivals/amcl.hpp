@@ -29,10 +29,10 @@ struct AmclParams {
   int resample_interval = 2;
   double recovery_alpha_slow = 0.001;  ///< ROS: off; its documentation advises this value.
   double recovery_alpha_fast = 0.1;    ///< ROS: off; its documentation advises this value.
-  double odom_alpha1 = 0.2;
-  double odom_alpha2 = 0.2;
-  double odom_alpha3 = 0.2;
-  double odom_alpha4 = 0.2;
+  double odom_alpha1 = 0.05;  ///< These four in ROS: 0.2, which spreads the headings by 20 deg.
+  double odom_alpha2 = 0.05;
+  double odom_alpha3 = 0.05;
+  double odom_alpha4 = 0.05;
   int laser_max_beams = 60;  ///< ROS: 30; more tell more.
   double laser_z_hit = 0.95;
   double laser_z_rand = 0.05;
