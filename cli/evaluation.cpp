@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <numbers>
 #include <thread>
@@ -67,12 +68,12 @@ class Drive {
         right_map_(right_map),
         mapping_positions_(mapping_positions),
         options_(options),
-        keyed_(has_key_scans(log)),
-        localizer_(maps, localizer_params(options)) {}
+        keyed_(has_key_scans(log)) {}
 
   StartRecord run(std::size_t start) {
     record_.start = order_[start];
     record_.near_m = nearest_mapping(scan_at(start));
+    robot_ = options_.make_robot ? options_.make_robot(scan_at(start)) : make_localizer();
     const double begin_stamp = scan_at(start).scan.stamp;
     std::size_t waiting = 0;
     for (std::size_t k = start; k < order_.size(); ++k) {
@@ -102,10 +103,11 @@ class Drive {
 
   [[nodiscard]] const LogScan& scan_at(std::size_t k) const { return log_.scans[order_[k]]; }
 
-  static LocalizerParams localizer_params(const EvaluationOptions& options) {
-    LocalizerParams params = options.localizer;
-    if (options.sample) params.acceptance.min_gap = std::numeric_limits<double>::infinity();
-    return params;
+  [[nodiscard]] ScoredRobot make_localizer() const {
+    LocalizerParams params = options_.localizer;
+    if (options_.sample) params.acceptance.min_gap = std::numeric_limits<double>::infinity();
+    const auto localizer = std::make_shared<Localizer>(maps_, params);
+    return [localizer](const RobotScan& scan) { return localizer->process(scan); };
   }
 
   [[nodiscard]] double nearest_mapping(const LogScan& scan) const {
@@ -133,7 +135,7 @@ class Drive {
     if (options_.use_odometry) robot_scan.T_odom_base_link = scan.T_odom_laser;
     const auto asked = std::chrono::steady_clock::now();
     const double begin = thread_ms();
-    Answer answer = localizer_.process(robot_scan);
+    Answer answer = robot_(robot_scan);
     (fixed_ ? record_.tracking_ms : record_.searching_ms).push_back(thread_ms() - begin);
     const std::chrono::duration<double, std::milli> waited =
         std::chrono::steady_clock::now() - asked;
@@ -196,7 +198,7 @@ class Drive {
   const std::vector<Point2>& mapping_positions_;
   const EvaluationOptions& options_;
   bool keyed_;
-  Localizer localizer_;
+  ScoredRobot robot_;
   StartRecord record_;
   bool fixed_ = false;
   std::optional<Said> said_;  ///< The first `localized` answer until it is judged.
@@ -235,6 +237,7 @@ Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping
     if (mapper.is_key_frame(posed)) mapper.add(std::move(posed));
   }
   evaluation.map = std::make_shared<const LocalizationMap>(log.header.name, 1, mapper.build());
+  evaluation.key_frames = mapper.key_frames();
   evaluation.map_seconds = 1e-3 * (thread_ms() - begin);
   return evaluation;
 }

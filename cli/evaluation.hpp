@@ -18,6 +18,9 @@
 
 namespace cornerfix::cli {
 
+/// Takes a robot's scans one after the other, as Localizer::process() does.
+using ScoredRobot = std::function<Answer(const RobotScan&)>;
+
 struct EvaluationOptions {
   std::size_t starts = 100;
   double near_m = 1.5;    ///< A start this near to a mapping pose lies in the mapped part.
@@ -31,6 +34,9 @@ struct EvaluationOptions {
   bool sample = false;  ///< Never accept; record what each search of the whole map knew.
   MapperParams mapper;
   LocalizerParams localizer;
+  /// Who is switched on: a Localizer when empty. Told the first scan with its reference pose, for
+  /// methods that need to know about where they start; called from any thread.
+  std::function<ScoredRobot(const LogScan&)> make_robot;
 };
 
 enum class Verdict { kFixed, kFalse, kNone };
@@ -72,6 +78,7 @@ struct StartRecord {
 struct Evaluation {
   LocalizationMapPtr map;
   std::vector<Point2> mapping_positions;  ///< Of the laser.
+  std::vector<PosedScan> key_frames;      ///< What the map was made of.
   double map_seconds = 0.0;               ///< Processor time.
   std::string split;                      ///< How the log was divided, as it was told.
   double wall_s = 0.0;                    ///< Of all starts.

@@ -3,6 +3,7 @@
 #   scripts/install_dependencies.sh build   to build and run
 #   scripts/install_dependencies.sh test    to test and check as well
 #   scripts/install_dependencies.sh fuzz    to build and to fuzz
+#   scripts/install_dependencies.sh bench   to build and to compare with the rivals (scripts/bench.sh)
 #   scripts/install_dependencies.sh calibrate   to build and to learn the evidence model again
 set -euo pipefail
 
@@ -20,8 +21,9 @@ case "${1:-}" in
   build) wanted=("${build[@]}") ;;
   test) wanted=("${build[@]}" "${test[@]}") ;;
   fuzz) wanted=("${build[@]}" clang-14 libclang-rt-14-dev) ;;
+  bench) wanted=("${build[@]}" git libmrpt-slam-dev libopencv-features2d-dev python3-matplotlib python3-numpy) ;;
   calibrate) wanted=("${build[@]}" python3-numpy) ;;
-  *) echo "usage: $0 build|test|fuzz|calibrate" >&2; exit 2 ;;
+  *) echo "usage: $0 build|test|fuzz|bench|calibrate" >&2; exit 2 ;;
 esac
 
 is_installed() { [[ $(dpkg-query -W -f '${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }

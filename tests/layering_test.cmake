@@ -59,6 +59,14 @@ forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httpl
   REASON "httplib.h is for sources of server and cli, never for a header")
 forbid(FILES ${all} EXCEPT "^core/src/" PATTERN "${include}opencv2" REASON "OpenCV is for core's sources")
 
+# The rivals of the benchmarks know core only; what they need of others is behind bench/external.
+sources(rivals bench/rivals)
+sources(bench bench)
+forbid(FILES ${rivals} PATTERN "${include}(storage|api|server|cli|bench/(experiments|external))/"
+  REASON "the rivals know core only")
+forbid(FILES ${bench} EXCEPT "^bench/external/[^/]*\\.cpp$" PATTERN "${include}(opencv2|mrpt)"
+  REASON "OpenCV and MRPT are for the sources of bench/external")
+
 # The page: one file talks to the server, one draws.
 forbid(FILES web/*.js EXCEPT "api_client\\.js$" PATTERN "(fetch\\(|EventSource|XMLHttpRequest)"
   REASON "api_client.js alone talks to the server")

@@ -1,0 +1,143 @@
+/// \file  What following a robot costs from a known start, and that it works: Cornerfix beside AMCL
+/// with its adaptive number of particles and with all 20,000.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/experiments/buildings.hpp"
+#include "bench/experiments/csv_file.hpp"
+#include "bench/experiments/experiment.hpp"
+#include "bench/experiments/processor_time.hpp"
+#include "bench/experiments/statistics.hpp"
+#include "bench/rivals/amcl.hpp"
+
+namespace cornerfix::bench {
+namespace {
+
+constexpr double kRightDistance = 0.5;   // [m]
+constexpr double kRightAngle = 0.08727;  // 5 deg
+
+struct TrackingArguments {
+  BuildingSource building;
+  std::size_t starts = 5;
+  double way_m = 20.0;  ///< That each robot is followed.
+  std::filesystem::path out = ".";
+};
+
+/// What was said of scans for which a pose was known.
+struct Tracked {
+  std::vector<double> ms;
+  std::size_t right = 0;
+  std::size_t wrong = 0;
+
+  void judge(const Pose2& said, const Pose2& truth) {
+    const bool is_right =
+        distance(said, truth) <= kRightDistance && angle_between(said, truth) <= kRightAngle;
+    ++(is_right ? right : wrong);
+  }
+};
+
+class TrackingExperiment {
+ public:
+  explicit TrackingExperiment(const TrackingArguments& arguments)
+      : arguments_(arguments), building_(open_building(arguments.building)) {
+    for (std::size_t i = building_.begin; i < building_.log.scans.size(); ++i) {
+      if (building_.log.scans[i].T_map_laser) order_.push_back(i);
+    }
+  }
+
+  void run() {
+    CsvFile table(arguments_.out / ("tracking_" + building_.mapped.name + ".csv"),
+                  "building,method,scans,mean_ms,p50_ms,p95_ms,right,wrong");
+    const auto write = [&](const char* method, const Tracked& tracked) {
+      table.row(building_.mapped.name, method, tracked.ms.size(), mean(tracked.ms),
+                percentile(tracked.ms, 0.5), percentile(tracked.ms, 0.95), tracked.right,
+                tracked.wrong);
+    };
+    write("cornerfix", track_by_cornerfix());
+    write("amcl", track_by_amcl({}));
+    AmclParams all;
+    all.min_particles = all.max_particles;
+    write("amcl_20000", track_by_amcl(all));
+    all.linear_resampling = false;
+    write("amcl_20000_binary_search", track_by_amcl(all));
+  }
+
+ private:
+  /// Calls `follow` with each scan of each robot's way; `first` at its start.
+  template <typename Follow>
+  void drive(const Follow& follow) const {
+    for (std::size_t i = 0; i < arguments_.starts; ++i) {
+      const std::size_t start = i * order_.size() / arguments_.starts;
+      double driven = 0.0;
+      for (std::size_t k = start; k < order_.size() && driven <= arguments_.way_m; ++k) {
+        const cli::LogScan& scan = building_.log.scans[order_[k]];
+        if (k > start) {
+          driven += distance(*scan.T_map_laser, *building_.log.scans[order_[k - 1]].T_map_laser);
+        }
+        follow(scan, k == start);
+      }
+    }
+  }
+
+  /// It has no known start: what it says, and costs, once it has found itself.
+  [[nodiscard]] Tracked track_by_cornerfix() const {
+    Tracked tracked;
+    std::unique_ptr<Localizer> localizer;
+    bool found = false;
+    drive([&](const cli::LogScan& scan, bool first) {
+      if (first) {
+        localizer =
+            std::make_unique<Localizer>(std::vector{building_.mapped.map}, LocalizerParams{});
+        found = false;
+      }
+      const double begin = thread_ms();
+      const Answer answer = localizer->process({scan.scan, {}, scan.T_odom_laser});
+      if (found) {
+        tracked.ms.push_back(thread_ms() - begin);
+        if (answer.pose) tracked.judge(answer.pose->T_map_base_link, *scan.T_map_laser);
+      }
+      found = found || answer.status == Status::kLocalized;
+    });
+    return tracked;
+  }
+
+  [[nodiscard]] Tracked track_by_amcl(const AmclParams& params) const {
+    Tracked tracked;
+    std::unique_ptr<Amcl> amcl;
+    drive([&](const cli::LogScan& scan, bool first) {
+      if (first) {
+        amcl = std::make_unique<Amcl>(building_.mapped.map->grid(), building_.mapped.map->field(),
+                                      params);
+        amcl->set_pose(*scan.T_map_laser);
+      }
+      const double begin = thread_ms();
+      const RivalAnswer answer = amcl->process({scan.scan, {}, scan.T_odom_laser});
+      if (!answer.updated || first) return;
+      tracked.ms.push_back(thread_ms() - begin);
+      if (answer.T_map_base_link) tracked.judge(*answer.T_map_base_link, *scan.T_map_laser);
+    });
+    return tracked;
+  }
+
+  TrackingArguments arguments_;
+  Building building_;
+  std::vector<std::size_t> order_;
+};
+
+}  // namespace
+
+void add_tracking_experiment(CLI::App& app) {
+  auto arguments = std::make_shared<TrackingArguments>();
+  CLI::App* command =
+      app.add_subcommand("tracking", "What following a robot costs, by Cornerfix and by AMCL");
+  add_building_options(*command, arguments->building);
+  command->add_option("--starts", arguments->starts, "Robots followed")->check(CLI::PositiveNumber);
+  command->add_option("--way", arguments->way_m, "Metres that each is followed");
+  add_out_option(*command, arguments->out);
+  command->callback([arguments] { TrackingExperiment(*arguments).run(); });
+}
+
+}  // namespace cornerfix::bench
