@@ -55,6 +55,7 @@ forbid(FILES ${all} EXCEPT "^storage/" PATTERN "${include}SQLiteCpp" REASON "SQL
 forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httplib"
   REASON "httplib.h is for sources of server and cli, never for a header")
 forbid(FILES ${all} EXCEPT "^core/src/" PATTERN "${include}opencv2" REASON "OpenCV is for core's sources")
+forbid(FILES ${all} EXCEPT "^core/src/pose_graph.cpp$" PATTERN "${include}ceres" REASON "Ceres is for the pose graph")
 
 # The page: one file talks to the server, one draws.
 forbid(FILES web/*.js EXCEPT "api_client\\.js$" PATTERN "(fetch\\(|EventSource|XMLHttpRequest)"
