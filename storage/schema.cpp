@@ -80,7 +80,11 @@ CREATE TABLE submap_scans (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
-constexpr std::array<const char*, 1> kMigrations = {kCreateTables};
+constexpr const char* kAddDrift = R"sql(
+ALTER TABLE maps ADD COLUMN drifts INTEGER NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array<const char*, 2> kMigrations = {kCreateTables, kAddDrift};
 
 }  // namespace
 
