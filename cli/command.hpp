@@ -18,6 +18,7 @@ int fail(const Error& error);
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.
 void add_map_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);
+void add_slam_command(CLI::App& app, int& exit_code);
 void add_serve_command(CLI::App& app, int& exit_code);
 void add_evaluate_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);

@@ -6,6 +6,8 @@
 #include "cli/command.hpp"
 #include "cli/evaluation.hpp"
 #include "cli/progress.hpp"
+#include "cli/slam_run.hpp"
+#include "cli/trajectory_score.hpp"
 
 namespace cornerfix::cli {
 
@@ -20,6 +22,7 @@ struct EvaluateArguments {
   std::string csv;
   std::string samples;
   bool no_odometry = false;
+  bool slam = false;
   EvaluationOptions options;
 };
 
@@ -60,6 +63,28 @@ std::string sample_name(const EvaluateArguments& arguments, const std::string& l
   return (arguments.options.mirror ? "mirrored:" : "") + log;
 }
 
+/// The first scans of a log, of which SLAM's key frames have SLAM's poses, moved as a whole to lie
+/// as near as possible to the reference poses.
+Result<RecordedLog> with_slam_poses(const RecordedLog& log, std::size_t end,
+                                    const EvaluationOptions& options) {
+  RecordedLog posed{log.header,
+                    {log.scans.begin(), log.scans.begin() + static_cast<std::ptrdiff_t>(end)}};
+  Progress progress("slam");
+  const Result<SlamRun> run = run_slam(posed.scans, options.use_odometry, options.mapper,
+                                       [&](double share) { progress.update(share); });
+  if (!run) return run.error();
+  const Pose2 T_map_slam = align_to_reference(posed.scans, run->T_map_laser);
+  for (LogScan& scan : posed.scans) {
+    scan.T_map_laser.reset();
+    scan.is_key_scan = false;
+  }
+  for (const std::size_t i : run->key_scans) {
+    posed.scans[i].T_map_laser = T_map_slam * run->T_map_laser[i];
+    posed.scans[i].is_key_scan = true;
+  }
+  return posed;
+}
+
 int run_evaluate(EvaluateArguments& arguments) {
   EvaluationOptions& options = arguments.options;
   const auto method = method_from_string(arguments.method);
@@ -82,9 +107,13 @@ int run_evaluate(EvaluateArguments& arguments) {
     if (!other) return fail(other.error());
     own_map_log = std::move(*other);
   }
+  std::size_t end = own_map_log ? own_map_log->scans.size() : split_index(*log, options.split);
+  if (arguments.slam) {
+    Result<RecordedLog> found = with_slam_poses(own_map_log ? *own_map_log : *log, end, options);
+    if (!found) return fail(found.error());
+    own_map_log = std::move(*found);
+  }
   const RecordedLog& map_source = own_map_log ? *own_map_log : *log;
-  const std::size_t end =
-      own_map_log ? own_map_log->scans.size() : split_index(*log, options.split);
   Evaluation evaluation = map_from(map_source, end, options.mapper);
   // In a building of its own no place is near a mapped one and every fix is a false one.
   const bool elsewhere = !arguments.other_map_log.empty();
@@ -92,7 +121,7 @@ int run_evaluate(EvaluateArguments& arguments) {
 
   Progress progress("starts");
   evaluation.records =
-      evaluate(*log, own_map_log ? 0 : end, {evaluation.map}, right_map,
+      evaluate(*log, map_path.empty() ? end : 0, {evaluation.map}, right_map,
                elsewhere ? std::vector<Point2>{} : evaluation.mapping_positions, options,
                [&](std::size_t done, std::size_t all) {
                  progress.update(static_cast<double>(done) / static_cast<double>(all));
@@ -146,6 +175,8 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command->add_option("--extractor", arguments->extractor, "How corners are found: two_arm or vfp");
   command->add_option("--threads", options.threads, "Robots at once");
   command->add_flag("--no-odom", arguments->no_odometry, "Ask without odometry");
+  command->add_flag("--slam", arguments->slam,
+                    "Make the map without its log's poses; these only say where it lies");
   command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");
   command->add_option("--csv", arguments->csv, "Write a row a start here");
   command->add_option(

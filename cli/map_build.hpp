@@ -17,6 +17,7 @@ struct MapBuildArguments {
   std::string log;
   double split = 1.0;
   std::size_t stride = 1;
+  bool slam = false;  ///< Do without the log's poses: all scans, with odometry where it is there.
 };
 
 /// The scans of the first share of a log that can make a map: those with a pose, and in a log that

@@ -111,8 +111,7 @@ void add_list_command(CLI::App& map, int& exit_code) {
 
 void add_build_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapBuildArguments>();
-  CLI::App* command =
-      map.add_subcommand("build", "Make a map from a log with poses, or let a map grow by it");
+  CLI::App* command = map.add_subcommand("build", "Make a map from a log, or let a map grow by it");
   command->footer(
       "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs; its poses must be corrected ones),"
       "\nalso with .gz. Where a log marks key scans, only those make the map. Scans that the map "
@@ -128,6 +127,8 @@ void add_build_command(CLI::App& map, int& exit_code) {
   command->add_option("--stride", arguments->stride, "Use every n-th scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--slam", arguments->slam,
+                    "Find the poses from scans and odometry instead of taking the log's");
   CLI::Option* database = command->add_option(
       "--db", arguments->database, "Write into this database file instead of asking a server");
   add_connection_options(*command, arguments->connection);
