@@ -145,6 +145,7 @@ Json render_map(const MapEntry& map) {
           {"description", map.description},
           {"revision", map.revision},
           {"digest", map.digest},
+          {"floor_map", map.has_floor_map},
           {"keyframes", map.key_frames},
           {"features", map.features},
           {"bounds", bounds_json(map.bounds)},
@@ -160,6 +161,13 @@ Json render_map_list(std::span<const MapEntry> maps,
   for (const MapEntry& map : maps) list.push_back(render_map(map));
   return {{"maps", std::move(list)},
           {"next_page_token", next_page_token ? Json(*next_page_token) : Json(nullptr)}};
+}
+
+Json render_floor_map(const FloorMapResult& result) {
+  return {{"revision", result.revision},
+          {"digest", result.digest},
+          {"features", result.features},
+          {"warnings", std::vector<std::string>(result.warnings.begin(), result.warnings.end())}};
 }
 
 Json render_map_batch(const MapBatchResult& result) {

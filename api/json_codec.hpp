@@ -42,6 +42,7 @@ struct MapEntry {
   std::string_view description;
   std::uint64_t revision = 0;
   std::string_view digest;
+  bool has_floor_map = false;  ///< Made from a floor map, not from scans.
   std::size_t key_frames = 0;
   std::size_t features = 0;
   std::optional<Bounds> bounds;
@@ -55,6 +56,15 @@ struct MapEntry {
 /// `next_page_token` is null on the last page.
 [[nodiscard]] Json render_map_list(std::span<const MapEntry> maps,
                                    std::optional<std::string_view> next_page_token);
+
+/// What a floor map became.
+struct FloorMapResult {
+  std::uint64_t revision = 0;
+  std::string_view digest;
+  std::size_t features = 0;
+  std::span<const std::string> warnings;
+};
+[[nodiscard]] Json render_floor_map(const FloorMapResult& result);
 
 /// What a mapping batch did.
 struct MapBatchResult {

@@ -275,6 +275,20 @@ std::string lidar_to_json(const Lidar& lidar) {
   return json.dump();
 }
 
+bool is_put_map_request(std::string_view description, std::string_view lidar_json,
+                        std::string_view parameters_json) {
+  std::string body =
+      R"({"description": )" +
+      nlohmann::json(description).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (!lidar_json.empty()) body += R"(, "lidar": )" + std::string(lidar_json);
+  if (!parameters_json.empty()) body += R"(, "parameters": )" + std::string(parameters_json);
+  const auto parsed = parse_put_map(body + "}", BodyFormat::kJson);
+  const auto* request = std::get_if<PutMapRequest>(&parsed);
+  return request != nullptr && request->description == description &&
+         request->lidar_json.value_or("") == lidar_json &&
+         request->parameters_json.value_or("") == parameters_json;
+}
+
 std::optional<Lidar> lidar_from_json(std::string_view lidar_json) {
   const StoredText stored(lidar_json);
   return stored.root.is_object() ? read_lidar(stored.field) : std::nullopt;

@@ -101,6 +101,11 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] LocalizerParams params_from_json(std::string_view options_json);
 [[nodiscard]] MapperParams mapper_params_from_json(std::string_view parameters_json);
 
+/// Whether a parse_put_map() could have given all three, empty ones aside: to be asked of what was
+/// stored by somebody else.
+[[nodiscard]] bool is_put_map_request(std::string_view description, std::string_view lidar_json,
+                                      std::string_view parameters_json);
+
 /// `bbox` of a query: "x0,y0,x1,y1" in `map` [m], any two opposite corners.
 [[nodiscard]] Parsed<Bounds> parse_bbox(std::string_view text);
 /// `limit` of a query: 1 to 1000.

@@ -77,7 +77,7 @@ void scan_to_submap(benchmark::State& state) {
   std::vector<Point2> points = returns_as_points(scan_at(way.back()));
   std::ranges::shuffle(points, random);
   points.resize(std::min(points.size(), static_cast<std::size_t>(state.range(0))));
-  const PosePrior prior{T_submap_map * way.back() * Pose2{0.05, -0.03, 0.02}, 0.05, 0.03};
+  const PosePrior prior = isotropic_prior(T_submap_map * way.back() * Pose2{0.05, -0.03, 0.02}, 0.05, 0.03);
   for (auto _ : state) benchmark::DoNotOptimize(submap.match(points, prior));
 }
 BENCHMARK(scan_to_submap)

@@ -1,6 +1,11 @@
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "cli/scan_parser.hpp"
 
@@ -8,8 +13,18 @@ namespace cornerfix::cli {
 
 namespace {
 
-/// A SICK LMS reports 81.9 m and a little less for "nothing there"; CARMEN logs do not say.
+constexpr double kPi = std::numbers::pi;
+
+/// A SICK LMS reports 81.9 m and a little less for "nothing there"; old messages do not say.
 constexpr double kRangeMax = 80.0;
+
+/// A range at the lidar's maximum means that nothing is there; logs round to the millimetre.
+constexpr double kBelowMaximum = 0.001;  // [m]
+
+/// A laser pose this close to the odometry says no more than the odometry does: no one corrected
+/// it.
+constexpr double kSamePosition = 1e-4;  // [m]
+constexpr double kSameHeading = 1e-4;   // [rad]
 
 /// The blank-separated words of a line.
 class Words {
@@ -31,6 +46,7 @@ class Words {
     Number number{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+    if (!std::isfinite(static_cast<double>(number))) return std::nullopt;
     return number;
   }
 
@@ -42,68 +58,288 @@ class Words {
     return Pose2{*x, *y, wrap_angle(*yaw)};
   }
 
+  /// How many words are left.
+  [[nodiscard]] std::size_t count() const {
+    Words rest(rest_);
+    std::size_t words = 0;
+    while (!rest.next().empty()) ++words;
+    return words;
+  }
+
  private:
   std::string_view rest_;
 };
 
-/// FLASER does not tell its angles: half a turn, with both ends when the number of beams is odd.
-LaserScan half_turn_lidar(std::size_t beams) {
+/// A laser that a message name stands for. What PARAM messages say of its place on the robot
+/// begins with `param_prefix`.
+struct Laser {
+  std::string_view message;
+  std::string_view param_prefix;
+  bool tells_its_geometry;  ///< Newer messages do.
+  Pose2 T_robot_laser;
+};
+
+constexpr std::array kLasers = {
+    Laser{"FLASER", "robot_frontlaser_", false, {}},
+    Laser{"RLASER", "robot_rearlaser_", false, {0.0, 0.0, kPi}},
+    Laser{"ROBOTLASER1", "robot_frontlaser_", true, {}},
+    Laser{"ROBOTLASER2", "robot_rearlaser_", true, {0.0, 0.0, kPi}},
+    Laser{"RAWLASER1", "robot_frontlaser_", true, {}},
+    Laser{"RAWLASER2", "robot_rearlaser_", true, {0.0, 0.0, kPi}},
+};
+
+const Laser* laser_of(std::string_view message) {
+  const auto* const laser = std::find_if(
+      kLasers.begin(), kLasers.end(), [&](const Laser& known) { return known.message == message; });
+  return laser == kLasers.end() ? nullptr : laser;
+}
+
+/// What PARAM messages have said so far.
+struct Params {
+  double range_max_m = kRangeMax;
+  double field_of_view_rad = kPi;
+  std::array<Pose2, 2> laser_offset;  ///< Front and rear, on the robot; headings without the turn.
+};
+
+/// Of the robot, from the ODOM messages.
+struct Odometry {
+  Pose2 T_odom_robot;
+  double forward_m_per_s = 0.0;
+  double turn_rad_per_s = 0.0;
+  double stamp = 0.0;
+};
+
+bool is_same(const Pose2& a, const Pose2& b) {
+  return distance(a, b) <= kSamePosition && angle_between(a, b) <= kSameHeading;
+}
+
+/// Old messages do not tell their angles: half a turn unless a PARAM tells, with both ends when the
+/// number of beams is odd.
+LaserScan untold_lidar(std::size_t beams, const Params& params) {
   LaserScan lidar;
-  lidar.angle_min = -std::numbers::pi / 2.0;
+  lidar.angle_min = -params.field_of_view_rad / 2.0;
   lidar.angle_increment =
-      std::numbers::pi / static_cast<double>(beams % 2 == 0 ? beams : beams - 1);
+      params.field_of_view_rad / static_cast<double>(beams % 2 == 0 ? beams : beams - 1);
   lidar.range_min = 0.0;
-  lidar.range_max = kRangeMax;
+  lidar.range_max = params.range_max_m;
   return lidar;
 }
 
 class CarmenParser final : public ScanParser {
  public:
+  explicit CarmenParser(std::string lidar) : wanted_(std::move(lidar)) {}
+
   Result<std::optional<LogScan>> parse(const std::string& line) override {
     Words words(line);
-    if (words.next() != "FLASER") return std::optional<LogScan>();
-    const auto beams = words.next_number<std::size_t>();
-    if (!beams || *beams < 2) return malformed("expected a number of beams above 1");
-    if (header_.beams == 0) {
-      header_.beams = *beams;
-      header_.lidar = half_turn_lidar(*beams);
+    const std::string_view message = words.next();
+    if (message == "PARAM") {
+      take_param(words);
+    } else if (message == "ODOM") {
+      if (!take_odometry(words)) return malformed(message, "expected x y theta tv rv accel stamp");
+    } else if (const Laser* laser = laser_of(message); laser != nullptr && is_wanted(message)) {
+      Result<std::optional<LogScan>> scan =
+          laser->tells_its_geometry ? parse_new(*laser, words) : parse_old(*laser, words);
+      if (scan && *scan) wanted_ = message;
+      return scan;
     }
-    if (*beams != header_.beams) {
-      return malformed(std::to_string(*beams) + " beams, expected " +
-                       std::to_string(header_.beams) + " as in the first scan");
-    }
-    return parse_scan(words);
+    return std::optional<LogScan>();
   }
 
  private:
-  static Error malformed(std::string_view message) {
-    return {ErrorCode::kMalformed, "FLASER: " + std::string(message), ""};
+  static Error malformed(std::string_view message, const std::string& what) {
+    return {ErrorCode::kMalformed, std::string(message) + ": " + what, ""};
   }
 
-  /// ranges, laser pose, odometry, ipc_timestamp, then host and logger_timestamp, which are ours
-  /// to ignore.
-  Result<std::optional<LogScan>> parse_scan(Words& words) const {
-    LogScan out;
-    out.scan = header_.lidar;
-    out.scan.ranges.reserve(header_.beams);
-    for (std::size_t beam = 0; beam < header_.beams; ++beam) {
-      const auto range = words.next_number<float>();
-      if (!range) return malformed("expected " + std::to_string(header_.beams) + " ranges");
-      out.scan.ranges.push_back(*range);
-    }
-    out.T_map_laser = words.next_pose();
-    if (!out.T_map_laser) return malformed("expected x y theta of the laser");
-    out.T_odom_laser = words.next_pose();
-    if (!out.T_odom_laser) return malformed("expected odom_x odom_y odom_theta");
-    const auto stamp = words.next_number<double>();
-    if (!stamp) return malformed("expected a timestamp");
-    out.scan.stamp = *stamp;
-    return std::optional<LogScan>(std::move(out));
+  [[nodiscard]] bool is_wanted(std::string_view message) const {
+    return wanted_.empty() || wanted_ == message;
   }
+
+  /// name value; those that say nothing of the lasers are passed over.
+  void take_param(Words& words) {
+    const std::string_view name = words.next();
+    const auto value = words.next_number<double>();
+    if (!value) return;
+    if (name == "robot_front_laser_max" && *value > kBelowMaximum) {
+      params_.range_max_m = std::min(kRangeMax, *value - kBelowMaximum);
+    } else if (name == "laser_front_laser_fov" && *value > 0.0 && *value <= 360.0) {
+      params_.field_of_view_rad = *value * kPi / 180.0;
+    }
+    for (std::size_t i = 0; i < params_.laser_offset.size(); ++i) {
+      const std::string_view prefix = kLasers[i].param_prefix;
+      if (!name.starts_with(prefix)) continue;
+      const std::string_view which = name.substr(prefix.size());
+      if (which == "offset") params_.laser_offset[i].x = *value;
+      if (which == "side_offset") params_.laser_offset[i].y = *value;
+      if (which == "angular_offset") params_.laser_offset[i].yaw = *value;
+    }
+  }
+
+  /// x y theta tv rv accel ipc_timestamp.
+  bool take_odometry(Words& words) {
+    const auto pose = words.next_pose();
+    const auto forward = words.next_number<double>();
+    const auto turn = words.next_number<double>();
+    const auto acceleration = words.next_number<double>();
+    const auto stamp = words.next_number<double>();
+    if (!pose || !forward || !turn || !acceleration || !stamp) return false;
+    odometry_ = Odometry{*pose, *forward, *turn, *stamp};
+    return true;
+  }
+
+  [[nodiscard]] Pose2 T_robot_laser(const Laser& laser) const {
+    const std::size_t place = laser.param_prefix == kLasers[0].param_prefix ? 0 : 1;
+    return params_.laser_offset[place] * laser.T_robot_laser;
+  }
+
+  /// num_readings [ranges] x y theta odom_x odom_y odom_theta ipc_timestamp, then host and
+  /// logger_timestamp, which are not needed. The first pose is the laser's, the second the robot's.
+  Result<std::optional<LogScan>> parse_old(const Laser& laser, Words& words) {
+    LogScan out;
+    const auto beams = words.next_number<std::size_t>();
+    if (auto error = check_beams(laser, beams)) return *error;
+    out.scan = header_.beams == 0 ? untold_lidar(*beams, params_) : header_.lidar;
+    if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
+    const auto T_map_laser = words.next_pose();
+    if (!T_map_laser) return malformed(laser.message, "expected x y theta of the laser");
+    const auto T_odom_robot = words.next_pose();
+    if (!T_odom_robot) return malformed(laser.message, "expected odom_x odom_y odom_theta");
+    const auto stamp = words.next_number<double>();
+    if (!stamp) return malformed(laser.message, "expected a timestamp");
+    out.scan.stamp = *stamp;
+    out.T_odom_laser = *T_odom_robot * T_robot_laser(laser);
+    // Without a PARAM that tells the laser's place some logs give both poses of the laser.
+    if (!is_same(*T_map_laser, *out.T_odom_laser) && !is_same(*T_map_laser, *T_odom_robot)) {
+      out.T_map_laser = T_map_laser;
+    }
+    return finish(laser, std::move(out));
+  }
+
+  /// laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
+  /// num_readings [ranges] num_remissions [remissions], and for ROBOTLASER laser pose, robot pose,
+  /// laser_tv laser_rv forward_safety_dist side_safety_dist turn_axis; then the timestamp. Logs
+  /// with an older header have neither remissions nor turn_axis.
+  Result<std::optional<LogScan>> parse_new(const Laser& laser, Words& words) {
+    LogScan out;
+    words.next();
+    const auto start_angle = words.next_number<double>();
+    const auto field_of_view = words.next_number<double>();
+    const auto resolution = words.next_number<double>();
+    const auto maximum_range = words.next_number<double>();
+    words.next();
+    words.next();
+    if (!start_angle || !field_of_view || !resolution || !maximum_range) {
+      return malformed(laser.message,
+                       "expected laser_type start_angle field_of_view angular_resolution "
+                       "maximum_range accuracy remission_mode");
+    }
+    const auto beams = words.next_number<std::size_t>();
+    if (auto error = check_beams(laser, beams)) return *error;
+    out.scan.angle_min = *start_angle;
+    out.scan.angle_increment =
+        *resolution != 0.0 ? *resolution : *field_of_view / static_cast<double>(*beams - 1);
+    out.scan.range_max = *maximum_range - kBelowMaximum;
+    if (const auto error = validate(out.scan)) {
+      return malformed(laser.message, error->field + ": " + error->message);
+    }
+    if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
+    const bool has_poses = laser.message.starts_with("ROBOT");
+    if (!skip_remissions(words, has_poses)) {
+      return malformed(laser.message, "expected num_remissions and as many remissions");
+    }
+    if (has_poses) {
+      out.T_odom_laser = words.next_pose();
+      if (!out.T_odom_laser || !words.next_pose()) {
+        return malformed(laser.message, "expected the poses of laser and robot");
+      }
+    }
+    const auto stamp = read_new_stamp(words);
+    if (!stamp) return malformed(laser.message, "expected a timestamp");
+    out.scan.stamp = *stamp;
+    if (!has_poses) out.T_odom_laser = odometry_at(*stamp, laser);
+    return finish(laser, std::move(out));
+  }
+
+  /// True when what follows are the poses or the timestamp.
+  static bool skip_remissions(Words& words, bool has_poses) {
+    constexpr std::size_t kOlder = 6 + 4 + 3;  // poses; speeds and safety distances; stamps
+    if (has_poses && words.count() == kOlder) return true;
+    const auto remissions = words.next_number<std::size_t>();
+    if (!remissions || *remissions > LogReader::kMaxBeams) return false;
+    for (std::size_t i = 0; i < *remissions; ++i) {
+      if (words.next().empty()) return false;
+    }
+    return true;
+  }
+
+  /// The last but two of the words.
+  static std::optional<double> read_new_stamp(Words& words) {
+    std::size_t rest = words.count();
+    if (rest < 3) return std::nullopt;
+    for (; rest > 3; --rest) words.next();
+    return words.next_number<double>();
+  }
+
+  /// The last ODOM carried on at its speed.
+  [[nodiscard]] std::optional<Pose2> odometry_at(double stamp, const Laser& laser) const {
+    constexpr double kMaxAge = 1.0;  // [s]
+    if (!odometry_ || std::abs(stamp - odometry_->stamp) > kMaxAge) return std::nullopt;
+    const double seconds = stamp - odometry_->stamp;
+    const double turn = odometry_->turn_rad_per_s * seconds;
+    const double forward = odometry_->forward_m_per_s * seconds;
+    const Pose2 motion{forward * std::cos(turn / 2.0), forward * std::sin(turn / 2.0), turn};
+    return odometry_->T_odom_robot * motion * T_robot_laser(laser);
+  }
+
+  [[nodiscard]] std::optional<Error> check_beams(const Laser& laser,
+                                                 std::optional<std::size_t> beams) const {
+    if (!beams || *beams < 2 || *beams > LogReader::kMaxBeams) {
+      return malformed(laser.message, "expected a number of beams from 2 to " +
+                                          std::to_string(LogReader::kMaxBeams));
+    }
+    if (header_.beams != 0 && *beams != header_.beams) {
+      return malformed(laser.message, std::to_string(*beams) + " beams, expected " +
+                                          std::to_string(header_.beams) + " as in the first scan");
+    }
+    return std::nullopt;
+  }
+
+  static Error expected_ranges(const Laser& laser, std::size_t beams) {
+    return malformed(laser.message, "expected " + std::to_string(beams) + " ranges");
+  }
+
+  static bool read_ranges(Words& words, std::size_t beams, LaserScan& scan) {
+    scan.ranges.reserve(beams);
+    for (std::size_t beam = 0; beam < beams; ++beam) {
+      const auto range = words.next_number<float>();
+      if (!range) return false;
+      scan.ranges.push_back(*range);
+    }
+    return true;
+  }
+
+  /// The first good scan makes the header, which all others must fit.
+  Result<std::optional<LogScan>> finish(const Laser& laser, LogScan scan) {
+    if (header_.beams == 0) {
+      header_.beams = scan.scan.ranges.size();
+      header_.lidar = scan.scan;
+      header_.lidar.ranges.clear();
+      header_.lidar.stamp = 0.0;
+    }
+    if (!has_geometry_of(scan.scan, header_.lidar)) {
+      return malformed(laser.message, "other angles or ranges than in the first scan");
+    }
+    return std::optional<LogScan>(std::move(scan));
+  }
+
+  std::string wanted_;  ///< The message whose scans are taken; empty until the first.
+  Params params_;
+  std::optional<Odometry> odometry_;
 };
 
 }  // namespace
 
-std::unique_ptr<ScanParser> make_carmen_parser() { return std::make_unique<CarmenParser>(); }
+std::unique_ptr<ScanParser> make_carmen_parser(std::string lidar) {
+  return std::make_unique<CarmenParser>(std::move(lidar));
+}
 
 }  // namespace cornerfix::cli

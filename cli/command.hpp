@@ -2,6 +2,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+
+#include <string>
 
 #include <cornerfix/result.hpp>
 
@@ -11,11 +14,21 @@ constexpr int kDone = 0;
 constexpr int kCouldNot = 1;
 constexpr int kWrongUse = 2;
 
+/// RFC 3339 in UTC.
+std::string utc_now_text();
+
 /// Says on stderr why something could not be done; returns kCouldNot.
 int fail(const Error& error);
 
+/// Says on stderr what a person should know of `where`; nothing when there is nothing to say.
+void warn(const std::string& where, const std::string& what);
+
+/// --lidar, for logs that hold the scans of several.
+void add_lidar_option(CLI::App& command, std::string& lidar);
+
 // Each adds its command to `app`. Parsing a command line runs its command, which leaves its exit
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.
+void add_backup_command(CLI::App& app, int& exit_code);
 void add_map_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_slam_command(CLI::App& app, int& exit_code);

@@ -41,9 +41,14 @@ Result<std::string> CurlWriter::line(const HttpRequest& request) {
   line += ' ' + quote_url(server_.url + request.path);
   if (!server_.token.empty())
     line += " -H " + shell_quote("Authorization: Bearer " + server_.token);
-  if (!request.body.empty()) {
-    line += " -H 'Content-Type: application/json' --data-binary ";
-    if (request.body.size() <= kMaxInlineBytes) {
+  if (!request.form.empty()) {
+    for (const FormFile& file : request.form)
+      line += " -F " + shell_quote(file.part + "=@" + file.path);
+  } else if (!request.body.empty()) {
+    line += " -H " + shell_quote("Content-Type: " + request.content_type) + " --data-binary ";
+    if (!request.body_path.empty()) {
+      line += shell_quote('@' + request.body_path);
+    } else if (request.body.size() <= kMaxInlineBytes) {
       line += shell_quote(request.body);
     } else {
       const Result<std::filesystem::path> file = write_body(request.body);
@@ -53,6 +58,7 @@ Result<std::string> CurlWriter::line(const HttpRequest& request) {
   } else if (request.method == "POST") {
     line += " -d ''";  // A server would wait for a body of unknown length.
   }
+  if (!request.answer_path.empty()) line += " -o " + shell_quote(request.answer_path);
   if (!request.creates_session) return line;
   return "SESSION=$(" + line + R"( | grep -o '"id": *"[^"]*"' | head -n 1 | cut -d '"' -f 4))";
 }

@@ -1,13 +1,18 @@
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "cli/command.hpp"
 #include "cli/evaluation.hpp"
+#include "cli/evaluation_report.hpp"
+#include "cli/log_split.hpp"
 #include "cli/progress.hpp"
 #include "cli/slam_run.hpp"
 #include "cli/trajectory_score.hpp"
+#include "cli/whole_log.hpp"
 
 namespace cornerfix::cli {
 
@@ -15,52 +20,33 @@ namespace {
 
 struct EvaluateArguments {
   std::string log;
+  std::string lidar;
   std::string map_log;
   std::string other_map_log;
+  std::string map_grid;
+  std::vector<std::string> further_map_logs;  ///< Searched beside the right map.
+  std::string split = "0.5";
+  std::size_t stride = 1;
   std::string method = std::string(to_string(LocalizerParams{}.method));
   std::string extractor = std::string(to_string(LocalizerParams{}.extractor));
+  std::string out;
   std::string csv;
   std::string samples;
   bool no_odometry = false;
   bool slam = false;
   EvaluationOptions options;
+
+  /// The log that makes the map; empty when a part of the log that asks does.
+  [[nodiscard]] const std::string& mapping_log() const {
+    return other_map_log.empty() ? map_log : other_map_log;
+  }
 };
 
-Result<void> write_records(const std::string& path, const std::vector<StartRecord>& records) {
-  std::ofstream csv(path);
-  csv << "start,near_m,verdict,way_m,seconds,driven_m,confidence,error_m,error_rad,x,y,yaw,true_x,"
-         "true_y,true_yaw,"
-         "scans,right_after,wrong_after\n";
-  for (const StartRecord& record : records) {
-    const char* verdict = record.verdict == Verdict::kFixed   ? "fixed"
-                          : record.verdict == Verdict::kFalse ? "false"
-                                                              : "none";
-    csv << record.start << ',' << record.near_m << ',' << verdict << ',';
-    if (record.way_m) csv << *record.way_m;
-    csv << ',';
-    if (record.seconds) csv << *record.seconds;
-    csv << ',' << record.driven_m << ',' << record.confidence << ',' << record.error_m << ','
-        << record.error_rad;
-    for (const Pose2& pose : {record.pose, record.truth})
-      csv << ',' << pose.x << ',' << pose.y << ',' << pose.yaw;
-    csv << ',' << record.scans << ',' << record.right_after << ',' << record.wrong_after << '\n';
-  }
-  if (!csv.flush()) return Error{ErrorCode::kStorageFull, "could not be written", path};
-  return {};
-}
-
-/// Rows join those of earlier calls, so that one file gathers many logs.
-Result<void> append_samples(const std::string& path, const std::string& name,
-                            const std::vector<StartRecord>& records) {
-  std::ofstream csv(path, std::ios::app);
-  write_samples(csv, name, records, csv.tellp() == 0);
-  if (!csv.flush()) return Error{ErrorCode::kStorageFull, "could not be written", path};
-  return {};
-}
-
-std::string sample_name(const EvaluateArguments& arguments, const std::string& log) {
-  if (!arguments.other_map_log.empty()) return "elsewhere:" + log;
-  return (arguments.options.mirror ? "mirrored:" : "") + log;
+/// Progress of work that counts what is done.
+ShareDone show_on(Progress& progress) {
+  return [&progress](std::size_t done, std::size_t all) {
+    progress.update(static_cast<double>(done) / static_cast<double>(all));
+  };
 }
 
 /// The first scans of a log, of which SLAM's key frames have SLAM's poses, moved as a whole to lie
@@ -85,7 +71,65 @@ Result<RecordedLog> with_slam_poses(const RecordedLog& log, std::size_t end,
   return posed;
 }
 
-int run_evaluate(EvaluateArguments& arguments) {
+Evaluation map_at_poses(const RecordedLog& log, std::span<const std::size_t> mapping,
+                        const MapperParams& params) {
+  Progress progress("mapping");
+  return map_from(log, mapping, params, show_on(progress));
+}
+
+/// The map of the scans with these indices, of which there are some; with SLAM, of all scans up to
+/// the last of them.
+Result<Evaluation> map_of(const RecordedLog& log, std::span<const std::size_t> mapping,
+                          const EvaluateArguments& arguments) {
+  const MapperParams& params = arguments.options.mapper;
+  if (!arguments.slam) return map_at_poses(log, mapping, params);
+  const std::size_t end = mapping.back() + 1;
+  const Result<RecordedLog> found = with_slam_poses(log, end, arguments.options);
+  if (!found) return found.error();
+  return map_at_poses(*found, posed_scans(*found, 0, end), params);
+}
+
+/// The map of all of a log.
+Result<Evaluation> map_of_file(const std::string& path, const EvaluateArguments& arguments) {
+  const Result<RecordedLog> log = read_whole_log(path, arguments.lidar, arguments.stride);
+  if (!log) return log.error();
+  const auto mapping = posed_scans(*log, 0, log->scans.size());
+  if (mapping.empty()) {
+    return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose", path};
+  }
+  return map_of(*log, mapping, arguments);
+}
+
+template <typename Write>
+Result<void> write_file(const std::string& path, std::ios::openmode mode, const Write& write) {
+  std::ofstream file(path, mode);
+  write(file);
+  if (!file.flush()) return Error{ErrorCode::kStorageFull, "could not be written", path};
+  return {};
+}
+
+Result<void> write_out(const std::string& path, const nlohmann::ordered_json& summary,
+                       const std::vector<StartRecord>& records) {
+  nlohmann::ordered_json out{{"summary", summary}, {"starts", nlohmann::ordered_json::array()}};
+  for (const StartRecord& record : records) out["starts"].push_back(record_json(record));
+  return write_file(path, std::ios::out, [&](std::ostream& file) { file << out << '\n'; });
+}
+
+/// Rows join those of earlier calls, so that one file gathers many logs.
+Result<void> append_samples(const std::string& path, const std::string& name,
+                            const std::vector<StartRecord>& records) {
+  return write_file(path, std::ios::app, [&](std::ofstream& csv) {
+    write_samples(csv, name, records, csv.tellp() == 0);
+  });
+}
+
+std::string sample_name(const EvaluateArguments& arguments, const std::string& log) {
+  if (!arguments.other_map_log.empty()) return "elsewhere:" + log;
+  return (arguments.options.mirror ? "mirrored:" : "") + log;
+}
+
+/// Words of the command line that are no numbers.
+void parse_words(EvaluateArguments& arguments) {
   EvaluationOptions& options = arguments.options;
   const auto method = method_from_string(arguments.method);
   if (!method) throw CLI::ValidationError("--method", "unknown method " + arguments.method);
@@ -96,47 +140,100 @@ int run_evaluate(EvaluateArguments& arguments) {
   options.mapper.extractor = options.localizer.extractor = *extractor;
   options.use_odometry = !arguments.no_odometry;
   options.sample = !arguments.samples.empty();
+}
 
-  Result<RecordedLog> log = read_log(arguments.log);
-  if (!log) return fail(log.error());
-  std::optional<RecordedLog> own_map_log;
-  const std::string& map_path =
-      arguments.other_map_log.empty() ? arguments.map_log : arguments.other_map_log;
-  if (!map_path.empty()) {
-    Result<RecordedLog> other = read_log(map_path);
-    if (!other) return fail(other.error());
-    own_map_log = std::move(*other);
+/// A log, the maps to ask it in, and the scans that ask.
+struct Task {
+  RecordedLog log;
+  std::vector<std::size_t> asking;
+  Evaluation evaluation;
+  std::vector<LocalizationMapPtr> maps;  ///< The right one first.
+};
+
+Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) {
+  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar, arguments.stride);
+  if (!log) return log.error();
+  Task task{std::move(*log), {}, {}, {}};
+  if (!arguments.map_grid.empty()) {
+    Result<Evaluation> made =
+        map_from_floor_map(arguments.map_grid, task.log, arguments.options.mapper);
+    if (!made) return made.error();
+    task.asking = posed_scans(task.log, 0, task.log.scans.size());
+    task.evaluation = std::move(*made);
+  } else if (arguments.mapping_log().empty()) {
+    DividedLog divided = divide(task.log, split);
+    if (divided.mapping.empty()) {
+      return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose in the part that maps",
+                   arguments.log};
+    }
+    Result<Evaluation> mapped = map_of(task.log, divided.mapping, arguments);
+    if (!mapped) return mapped.error();
+    task.asking = std::move(divided.asking);
+    task.evaluation = std::move(*mapped);
+    task.evaluation.split = arguments.split;
+  } else {
+    Result<Evaluation> mapped = map_of_file(arguments.mapping_log(), arguments);
+    if (!mapped) return mapped.error();
+    task.asking = posed_scans(task.log, 0, task.log.scans.size());
+    task.evaluation = std::move(*mapped);
   }
-  std::size_t end = own_map_log ? own_map_log->scans.size() : split_index(*log, options.split);
-  if (arguments.slam) {
-    Result<RecordedLog> found = with_slam_poses(own_map_log ? *own_map_log : *log, end, options);
-    if (!found) return fail(found.error());
-    own_map_log = std::move(*found);
+  if (task.asking.empty()) {
+    return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose in the part that asks",
+                 arguments.log};
   }
-  const RecordedLog& map_source = own_map_log ? *own_map_log : *log;
-  Evaluation evaluation = map_from(map_source, end, options.mapper);
+  task.maps.push_back(task.evaluation.map);
+  for (const std::string& path : arguments.further_map_logs) {
+    const Result<Evaluation> further = map_of_file(path, arguments);
+    if (!further) return further.error();
+    task.maps.push_back(further->map);
+  }
+  return task;
+}
+
+void run_starts(const EvaluateArguments& arguments, Task& task) {
   // In a building of its own no place is near a mapped one and every fix is a false one.
   const bool elsewhere = !arguments.other_map_log.empty();
-  const std::size_t right_map = elsewhere ? kNoMap : 0;
-
   Progress progress("starts");
-  evaluation.records =
-      evaluate(*log, map_path.empty() ? end : 0, {evaluation.map}, right_map,
-               elsewhere ? std::vector<Point2>{} : evaluation.mapping_positions, options,
-               [&](std::size_t done, std::size_t all) {
-                 progress.update(static_cast<double>(done) / static_cast<double>(all));
-               });
-  std::printf("%s\n", summary_json(log->header.name, evaluation, options).c_str());
-  if (!arguments.csv.empty()) {
-    if (const auto written = write_records(arguments.csv, evaluation.records); !written)
-      return fail(written.error());
+  const auto begin = std::chrono::steady_clock::now();
+  task.evaluation.records =
+      evaluate(task.log, task.asking, task.maps, elsewhere ? kNoMap : 0,
+               elsewhere ? std::vector<Point2>{} : task.evaluation.mapping_positions,
+               arguments.options, show_on(progress));
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  task.evaluation.wall_s = wall.count();
+}
+
+Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ordered_json& summary,
+                         const Task& task) {
+  const std::vector<StartRecord>& records = task.evaluation.records;
+  Result<void> written;
+  if (!arguments.out.empty()) written = write_out(arguments.out, summary, records);
+  if (written && !arguments.csv.empty()) {
+    written = write_file(arguments.csv, std::ios::out,
+                         [&](std::ostream& csv) { write_records(csv, records); });
   }
-  if (options.sample) {
-    const auto written = append_samples(arguments.samples, sample_name(arguments, log->header.name),
-                                        evaluation.records);
-    if (!written) return fail(written.error());
+  if (written && !arguments.samples.empty()) {
+    written =
+        append_samples(arguments.samples, sample_name(arguments, task.log.header.name), records);
   }
-  return kDone;
+  return written;
+}
+
+int run_evaluate(EvaluateArguments& arguments) {
+  parse_words(arguments);
+  const auto split = parse_log_split(arguments.split);
+  if (!split)
+    throw CLI::ValidationError("--split", "expected a share from 0 to 1 or blocks:METRES");
+  if (arguments.slam && std::holds_alternative<BlockSplit>(*split))
+    throw CLI::ValidationError("--slam", "needs a drive without gaps: --split with a share");
+  Result<Task> task = prepare(arguments, *split);
+  if (!task) return fail(task.error());
+  run_starts(arguments, *task);
+  const nlohmann::ordered_json summary =
+      summary_json(task->log.header.name, task->evaluation, arguments.options);
+  std::printf("%s\n", summary.dump(1).c_str());
+  const Result<void> written = write_files(arguments, summary, *task);
+  return written ? kDone : fail(written.error());
 }
 
 }  // namespace
@@ -152,8 +249,12 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command->add_option("LOG", arguments->log, "Log whose scans ask")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--split", options.split, "Share of LOG that makes the map")
-      ->check(CLI::Range(0.0, 1.0));
+  add_lidar_option(*command, arguments->lidar);
+  command->add_option(
+      "--split", arguments->split,
+      "Share of LOG that makes the map; or blocks:METRES, of which every other does");
+  command->add_option("--stride", arguments->stride, "Use every n-th scan")
+      ->check(CLI::PositiveNumber);
   CLI::Option* map_log = command
                              ->add_option("--map-log", arguments->map_log,
                                           "Log that makes the map, in LOG's frame; all of LOG asks")
@@ -163,21 +264,42 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
                    "Log of another building that makes the map: every fix is a false one")
       ->check(CLI::ExistingFile)
       ->excludes(map_log);
-  command->add_option("--starts", options.starts, "Robots switched on along LOG");
-  command->add_option("--near", options.near_m,
-                      "Metres from a mapping pose: a start in the mapped part");
-  command->add_option("--way", options.way_m, "Metres of driving allowed until the fix");
-  command->add_option("--time", options.time_s, "Seconds of log time allowed until the fix");
-  command->add_option("--track", options.track_m, "Metres to follow after the fix");
-  command->add_option("--batch", options.batch, "Scans a question");
+  command
+      ->add_option("--map-grid", arguments->map_grid,
+                   "ROS floor map (yaml) that is the map, in LOG's frame; all of LOG asks")
+      ->check(CLI::ExistingFile)
+      ->excludes(map_log)
+      ->excludes("--elsewhere");
+  command
+      ->add_option("--any-map", arguments->further_map_logs,
+                   "Logs of other buildings: look in their maps as well")
+      ->check(CLI::ExistingFile);
+  command->add_option("--starts", options.starts, "Robots switched on along LOG")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--near", options.near_m,
+                   "Metres from a mapping pose: a start in the mapped part")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--way", options.way_m, "Metres of driving allowed until the fix")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--time", options.time_s, "Seconds of log time allowed until the fix")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--track", options.track_m, "Metres to follow after the fix")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--batch", options.batch, "Scans a question, 1 to 100")
+      ->check(CLI::Range(1, 100));
   command->add_option("--method", arguments->method,
                       "Where hypotheses come from: indexed, rma or nma");
   command->add_option("--extractor", arguments->extractor, "How corners are found: two_arm or vfp");
-  command->add_option("--threads", options.threads, "Robots at once");
+  command->add_option("--threads", options.threads, "Robots at once, 1 to 256")
+      ->check(CLI::Range(1, 256));
   command->add_flag("--no-odom", arguments->no_odometry, "Ask without odometry");
-  command->add_flag("--slam", arguments->slam,
-                    "Make the map without its log's poses; these only say where it lies");
+  command
+      ->add_flag("--slam", arguments->slam,
+                 "Make maps without their logs' poses, which only say where a map lies")
+      ->excludes("--map-grid");
   command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");
+  command->add_option("--out", arguments->out, "Write the figures and every start's record (JSON)");
   command->add_option("--csv", arguments->csv, "Write a row a start here");
   command->add_option(
       "--samples", arguments->samples,

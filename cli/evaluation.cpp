@@ -1,15 +1,21 @@
 #include "cli/evaluation.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <limits>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <numbers>
-#include <ostream>
 #include <thread>
+
+#include <cornerfix/grid_mapping.hpp>
+#include <cornerfix/map_image.hpp>
+
+#include "cli/log_split.hpp"
 
 namespace cornerfix::cli {
 namespace {
@@ -40,10 +46,19 @@ Error2 error_of(const Pose2& pose, const Pose2& truth) {
   return {distance(pose, truth), angle_between(pose, truth)};
 }
 
+/// Normalised estimation error squared: the error in units of what the answer says of its
+/// certainty.
+double nees_of(const LocalizedPose& pose, const Pose2& truth) {
+  const Eigen::Map<const Eigen::Matrix3d> covariance(pose.covariance.data());
+  const Pose2& at = pose.T_map_base_link;
+  const Eigen::Vector3d error{at.x - truth.x, at.y - truth.y, wrap_angle(at.yaw - truth.yaw)};
+  return error.dot(covariance.ldlt().solve(error));
+}
+
 /// One robot from its switch-on to its verdict.
 class Drive {
  public:
-  Drive(const RecordedLog& log, const std::vector<std::size_t>& order,
+  Drive(const RecordedLog& log, std::span<const std::size_t> order,
         const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
         const std::vector<Point2>& mapping_positions, const EvaluationOptions& options)
       : log_(log),
@@ -116,9 +131,13 @@ class Drive {
     RobotScan robot_scan{scan.scan, {}, {}};
     if (options_.mirror) std::reverse(robot_scan.scan.ranges.begin(), robot_scan.scan.ranges.end());
     if (options_.use_odometry) robot_scan.T_odom_base_link = scan.T_odom_laser;
+    const auto asked = std::chrono::steady_clock::now();
     const double begin = thread_ms();
     Answer answer = localizer_.process(robot_scan);
     (fixed_ ? record_.tracking_ms : record_.searching_ms).push_back(thread_ms() - begin);
+    const std::chrono::duration<double, std::milli> waited =
+        std::chrono::steady_clock::now() - asked;
+    record_.round_trip_ms.push_back(waited.count());
     ++record_.scans;
     if (options_.sample) take_sample(answer, scan);
     return answer;
@@ -154,6 +173,7 @@ class Drive {
     const bool right =
         pose.map == maps_[right_map_] && error.m <= kRightDistance && error.rad <= kRightAngle;
     ++(right ? record_.right_after : record_.wrong_after);
+    record_.nees.push_back(nees_of(pose, *scan.T_map_laser));
     return true;
   }
 
@@ -170,7 +190,7 @@ class Drive {
   }
 
   const RecordedLog& log_;
-  const std::vector<std::size_t>& order_;
+  std::span<const std::size_t> order_;
   const std::vector<LocalizationMapPtr>& maps_;
   std::size_t right_map_;
   const std::vector<Point2>& mapping_positions_;
@@ -181,20 +201,6 @@ class Drive {
   bool fixed_ = false;
   std::optional<Said> said_;  ///< The first `localized` answer until it is judged.
 };
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  return values[std::min(values.size() - 1, index)];
-}
-
-double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN()
-                        : sum / static_cast<double>(values.size());
-}
 
 }  // namespace
 
@@ -211,13 +217,19 @@ std::size_t split_index(const RecordedLog& log, double share) {
 }
 
 Evaluation map_from(const RecordedLog& log, std::size_t end, const MapperParams& params) {
+  return map_from(log, posed_scans(log, 0, end), params);
+}
+
+Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
+                    const MapperParams& params, const ShareDone& progress) {
   const bool keyed = has_key_scans(log);
   const double begin = thread_ms();
   Evaluation evaluation;
   Mapper mapper(params);
-  for (std::size_t i = 0; i < end; ++i) {
-    const LogScan& scan = log.scans[i];
-    if (!scan.T_map_laser || (keyed && !scan.is_key_scan)) continue;
+  for (std::size_t k = 0; k < mapping.size(); ++k) {
+    const LogScan& scan = log.scans[mapping[k]];
+    if (progress) progress(k + 1, mapping.size());
+    if (keyed && !scan.is_key_scan) continue;
     evaluation.mapping_positions.push_back(scan.T_map_laser->translation());
     PosedScan posed{scan.scan, {}, *scan.T_map_laser};
     if (mapper.is_key_frame(posed)) mapper.add(std::move(posed));
@@ -227,16 +239,39 @@ Evaluation map_from(const RecordedLog& log, std::size_t end, const MapperParams&
   return evaluation;
 }
 
+Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const RecordedLog& log,
+                                      const MapperParams& params) {
+  const Result<OccupancyGrid> floor_map = read_map_files(yaml);
+  if (!floor_map) return floor_map.error();
+  const double begin = thread_ms();
+  Result<GridMap> map = map_from_grid(*floor_map, params);
+  if (!map) return map.error();
+  for (const std::string& warning : map->warnings)
+    std::fprintf(stderr, "%s: %s\n", yaml.c_str(), warning.c_str());
+  Evaluation evaluation;
+  for (const LogScan& scan : log.scans) {
+    if (scan.T_map_laser) evaluation.mapping_positions.push_back(scan.T_map_laser->translation());
+  }
+  evaluation.map =
+      std::make_shared<const LocalizationMap>(log.header.name, 1, std::move(map->content));
+  evaluation.map_seconds = 1e-3 * (thread_ms() - begin);
+  return evaluation;
+}
+
 std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
                                   const std::vector<LocalizationMapPtr>& maps,
                                   std::size_t right_map,
                                   const std::vector<Point2>& mapping_positions,
-                                  const EvaluationOptions& options,
-                                  const std::function<void(std::size_t, std::size_t)>& progress) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = begin; i < log.scans.size(); ++i) {
-    if (log.scans[i].T_map_laser) order.push_back(i);
-  }
+                                  const EvaluationOptions& options, const ShareDone& progress) {
+  return evaluate(log, posed_scans(log, begin, log.scans.size()), maps, right_map,
+                  mapping_positions, options, progress);
+}
+
+std::vector<StartRecord> evaluate(const RecordedLog& log, std::span<const std::size_t> order,
+                                  const std::vector<LocalizationMapPtr>& maps,
+                                  std::size_t right_map,
+                                  const std::vector<Point2>& mapping_positions,
+                                  const EvaluationOptions& options, const ShareDone& progress) {
   if (order.empty()) return {};
   const std::size_t usable = order.size() > options.batch ? order.size() - options.batch : 1;
   const std::size_t count = std::min(options.starts, usable);
@@ -257,117 +292,6 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
   work();
   for (std::thread& thread : threads) thread.join();
   return records;
-}
-
-void write_samples(std::ostream& csv, const std::string& name,
-                   const std::vector<StartRecord>& records, bool header) {
-  if (header) {
-    csv << "log,start,way_m,near_m,right";
-    for (const char* place : {"best", "second"}) {
-      for (std::size_t i = 0; i < kEndClasses; ++i) csv << ',' << place << "_end" << i;
-      for (std::size_t i = 0; i < kPassClasses; ++i) csv << ',' << place << "_pass" << i;
-    }
-    csv << '\n';
-  }
-  for (const StartRecord& record : records) {
-    for (const DecisionSample& sample : record.samples) {
-      csv << name << ',' << record.start << ',' << sample.way_m << ',' << sample.near_m << ','
-          << sample.right;
-      for (const EvidenceScore* score : {&sample.best, &sample.second}) {
-        for (const int count : score->end_counts) csv << ',' << count;
-        for (const int count : score->pass_counts) csv << ',' << count;
-      }
-      csv << '\n';
-    }
-  }
-}
-
-std::string summary_json(const std::string& log_name, const Evaluation& evaluation,
-                         const EvaluationOptions& options) {
-  std::size_t inside = 0;
-  std::size_t outside = 0;
-  std::size_t outside_false = 0;
-  std::size_t fixed = 0;
-  std::size_t wrong = 0;
-  std::size_t none = 0;
-  std::size_t within_1m = 0;
-  std::size_t within_5m = 0;
-  std::size_t right_after = 0;
-  std::size_t wrong_after = 0;
-  std::size_t scans = 0;
-  std::vector<double> ways;
-  std::vector<double> seconds;
-  std::vector<double> errors_m;
-  std::vector<double> errors_deg;
-  std::vector<double> searching;
-  std::vector<double> tracking;
-  for (const StartRecord& record : evaluation.records) {
-    scans += record.scans;
-    right_after += record.right_after;
-    wrong_after += record.wrong_after;
-    searching.insert(searching.end(), record.searching_ms.begin(), record.searching_ms.end());
-    tracking.insert(tracking.end(), record.tracking_ms.begin(), record.tracking_ms.end());
-    if (record.near_m > options.near_m) {
-      ++outside;
-      outside_false += record.verdict == Verdict::kFalse ? 1 : 0;
-      continue;
-    }
-    // A start that ran out of log before the allowed way and got no answer tells nothing.
-    if (record.verdict == Verdict::kNone && record.driven_m < 0.5 * options.way_m) continue;
-    ++inside;
-    wrong += record.verdict == Verdict::kFalse ? 1 : 0;
-    none += record.verdict == Verdict::kNone ? 1 : 0;
-    if (record.verdict != Verdict::kFixed) continue;
-    ++fixed;
-    ways.push_back(*record.way_m);
-    seconds.push_back(*record.seconds);
-    within_1m += *record.way_m <= 1.0 ? 1 : 0;
-    within_5m += *record.way_m <= 5.0 ? 1 : 0;
-    errors_m.push_back(record.error_m);
-    errors_deg.push_back(record.error_rad * 180.0 / std::numbers::pi);
-  }
-  const auto share = [inside](std::size_t part) {
-    return std::round(1e4 * static_cast<double>(part) /
-                      static_cast<double>(std::max<std::size_t>(1, inside))) /
-           1e4;
-  };
-  const auto quantiles = [](const std::vector<double>& values, double high, const char* name) {
-    return nlohmann::ordered_json{{"p50", percentile(values, 0.5)},
-                                  {name, percentile(values, high)}};
-  };
-  const auto costs = [](const std::vector<double>& values) {
-    return nlohmann::ordered_json{{"mean", mean(values)},
-                                  {"p50", percentile(values, 0.5)},
-                                  {"p95", percentile(values, 0.95)},
-                                  {"max", percentile(values, 1.0)}};
-  };
-  const std::size_t after = std::max<std::size_t>(1, right_after + wrong_after);
-  const nlohmann::ordered_json summary{
-      {"log", log_name},
-      {"split", options.split},
-      {"map_scans", evaluation.mapping_positions.size()},
-      {"map_seconds", evaluation.map_seconds},
-      {"features", evaluation.map->features().size()},
-      {"starts", inside},
-      {"fixed", fixed},
-      {"false", wrong},
-      {"none", none},
-      {"success", share(fixed)},
-      {"success_1m", share(within_1m)},
-      {"success_5m", share(within_5m)},
-      {"outside", outside},
-      {"outside_false", outside_false},
-      {"way_m", quantiles(ways, 0.9, "p90")},
-      {"seconds", quantiles(seconds, 0.9, "p90")},
-      {"error_m", quantiles(errors_m, 0.95, "p95")},
-      {"error_deg", quantiles(errors_deg, 0.95, "p95")},
-      {"tracked_right",
-       std::round(1e4 * static_cast<double>(right_after) / static_cast<double>(after)) / 1e4},
-      {"searching_ms_per_scan", costs(searching)},
-      {"tracking_ms_per_scan", costs(tracking)},
-      {"scans", scans},
-  };
-  return summary.dump(1);
 }
 
 }  // namespace cornerfix::cli

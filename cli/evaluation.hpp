@@ -4,9 +4,10 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
-#include <iosfwd>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,6 @@
 namespace cornerfix::cli {
 
 struct EvaluationOptions {
-  double split = 0.5;  ///< Share of the log that maps; ignored with a map log.
   std::size_t starts = 100;
   double near_m = 1.5;    ///< A start this near to a mapping pose lies in the mapped part.
   double way_m = 20.0;    ///< Driving allowed until the fix.
@@ -61,8 +61,11 @@ struct StartRecord {
   std::size_t scans = 0;
   std::size_t right_after = 0;  ///< Judged answers after the fix.
   std::size_t wrong_after = 0;
-  std::vector<double> searching_ms;  ///< A scan, until the fix.
-  std::vector<double> tracking_ms;   ///< A scan, after it.
+  std::vector<double>
+      nees;  ///< Of the judged answers after the fix: 3 on average if covariance is right.
+  std::vector<double> searching_ms;   ///< Processor time a scan, until the fix.
+  std::vector<double> tracking_ms;    ///< A scan, after it.
+  std::vector<double> round_trip_ms;  ///< A scan, by the clock on the wall: what a caller waits.
   std::vector<DecisionSample> samples;
 };
 
@@ -70,12 +73,26 @@ struct Evaluation {
   LocalizationMapPtr map;
   std::vector<Point2> mapping_positions;  ///< Of the laser.
   double map_seconds = 0.0;               ///< Processor time.
+  std::string split;                      ///< How the log was divided, as it was told.
+  double wall_s = 0.0;                    ///< Of all starts.
   std::vector<StartRecord> records;
 };
 
-/// The map of the scans before `end`, as a server would make it; no records yet.
+/// Called with what is done and with all, from any thread, one at a time; may be empty.
+using ShareDone = std::function<void(std::size_t, std::size_t)>;
+
+/// The map of the posed scans before `end`, as a server would make it; no records yet.
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::size_t end,
                                   const MapperParams& params);
+/// The same of the posed scans with these indices.
+[[nodiscard]] Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
+                                  const MapperParams& params, const ShareDone& progress = {});
+
+/// The map of a ROS floor map alone; all that `log` drives through counts as mapped. Says on stderr
+/// what map_from_grid() warns of.
+[[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
+                                                    const RecordedLog& log,
+                                                    const MapperParams& params);
 
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
@@ -84,21 +101,20 @@ inline constexpr std::size_t kNoMap =
     static_cast<std::size_t>(-1);  ///< The log lies in none of the maps.
 
 /// Asks `log` from `begin` on in `maps`; a fix in another map than `maps[right_map]` is false,
-/// whatever its pose. \param mapping_positions  Where the right map was made from. \param progress
-/// Called with starts done and all starts, from any thread, one at a time.
-[[nodiscard]] std::vector<StartRecord> evaluate(
-    const RecordedLog& log, std::size_t begin, const std::vector<LocalizationMapPtr>& maps,
-    std::size_t right_map, const std::vector<Point2>& mapping_positions,
-    const EvaluationOptions& options,
-    const std::function<void(std::size_t, std::size_t)>& progress);
-
-/// A row a sample: the log's name, start, way, distance to the mapped part, right or not, and the
-/// class counts of the two best places.
-void write_samples(std::ostream& csv, const std::string& name,
-                   const std::vector<StartRecord>& records, bool header);
-
-/// The figures of the replay tool, by its names.
-[[nodiscard]] std::string summary_json(const std::string& log_name, const Evaluation& evaluation,
-                                       const EvaluationOptions& options);
+/// whatever its pose. \param mapping_positions  Where the right map was made from.
+[[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
+                                                const std::vector<LocalizationMapPtr>& maps,
+                                                std::size_t right_map,
+                                                const std::vector<Point2>& mapping_positions,
+                                                const EvaluationOptions& options,
+                                                const ShareDone& progress);
+/// The same of the posed scans with these indices, ascending; a gap between them ends a drive.
+[[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log,
+                                                std::span<const std::size_t> asking,
+                                                const std::vector<LocalizationMapPtr>& maps,
+                                                std::size_t right_map,
+                                                const std::vector<Point2>& mapping_positions,
+                                                const EvaluationOptions& options,
+                                                const ShareDone& progress);
 
 }  // namespace cornerfix::cli

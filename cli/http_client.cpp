@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -105,7 +106,7 @@ class HttpClient::Connection {
   Result<std::string> send(const HttpRequest& request) {
     bool may_repeat = !request.creates_session;
     for (int attempt = 1;; ++attempt) {
-      const httplib::Result result = client_.send(to_httplib(request));
+      const httplib::Result result = send_once(request);
       if (!result) {
         if (!std::exchange(may_repeat, false)) return unreachable(result.error());
         continue;
@@ -122,13 +123,25 @@ class HttpClient::Connection {
   }
 
  private:
+  httplib::Result send_once(const HttpRequest& request) {
+    httplib::Request plain = to_httplib(request);
+    if (request.form.empty()) return client_.send(plain);
+    httplib::MultipartFormDataItems items;
+    for (const FormFile& file : request.form) {
+      items.push_back({file.part, file.content,
+                       std::filesystem::path(file.path).filename().string(),
+                       "application/octet-stream"});
+    }
+    return client_.Put(plain.path, plain.headers, items);
+  }
+
   [[nodiscard]] httplib::Request to_httplib(const HttpRequest& request) const {
     httplib::Request out;
     out.method = request.method;
     out.path = base_path_ + request.path;
     out.set_header("Accept", "application/json");
     if (!token_.empty()) out.set_header("Authorization", "Bearer " + token_);
-    if (!request.body.empty()) out.set_header("Content-Type", "application/json");
+    if (!request.body.empty()) out.set_header("Content-Type", request.content_type);
     out.body = request.body;
     return out;
   }

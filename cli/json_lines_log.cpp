@@ -45,6 +45,7 @@ class JsonLinesParser final : public ScanParser {
       auto document =
           json_.iterate(simdjson::padded_string_view(line.data(), line.size(), line.capacity()));
       if (!has_header_) {
+        header_ = {};
         read_header(document.get_object());
       } else {
         LogScan scan = read_scan(document.get_object());
@@ -58,6 +59,7 @@ class JsonLinesParser final : public ScanParser {
     if (auto error = validate(header_.lidar)) {
       return malformed("header: " + error->field + " " + error->message);
     }
+    if (header_.beams > LogReader::kMaxBeams) return malformed("header: beams " + too_many_beams());
     has_header_ = true;
     return std::optional<LogScan>();
   }
@@ -110,8 +112,13 @@ class JsonLinesParser final : public ScanParser {
     return out;
   }
 
+  static std::string too_many_beams() { return "above " + std::to_string(LogReader::kMaxBeams); }
+
   Result<std::optional<LogScan>> check(LogScan scan) {
     if (!has_stamp_) return malformed("t: missing, expected seconds");
+    if (scan.scan.ranges.size() > LogReader::kMaxBeams) {
+      return malformed("ranges: number of values " + too_many_beams());
+    }
     if (header_.beams == 0) header_.beams = scan.scan.ranges.size();
     if (scan.scan.ranges.size() != header_.beams) {
       return malformed("ranges: " + std::to_string(scan.scan.ranges.size()) + " values, expected " +

@@ -38,8 +38,7 @@ LineReader::LineReader(std::filesystem::path path, void* file)
 }
 
 Error LineReader::error(std::string message) const {
-  return {ErrorCode::kMalformed, "line " + std::to_string(line_number_) + ": " + std::move(message),
-          path_.string()};
+  return {ErrorCode::kMalformed, std::move(message), path_.string()};
 }
 
 /// False at the end of the file.
@@ -57,6 +56,7 @@ Result<bool> LineReader::fill() {
 
 Result<bool> LineReader::next() {
   ++line_number_;
+  line_offset_ = next_offset_;
   line_.clear();
   bool ended = false;
   while (!ended) {
@@ -70,6 +70,7 @@ Result<bool> LineReader::next() {
     const char* const newline = std::find(begin, end, '\n');
     ended = newline != end;
     line_.append(begin, newline);
+    next_offset_ += static_cast<std::uint64_t>(newline - begin) + (ended ? 1 : 0);
     block_at_ = static_cast<std::size_t>(newline - block_.data()) + (ended ? 1 : 0);
     if (line_.size() > kMaxLineBytes) return error("longer than 16 MiB");
   }

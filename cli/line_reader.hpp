@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -26,6 +27,8 @@ class LineReader {
   /// The current line without its end; its capacity() leaves room for simdjson's padding.
   [[nodiscard]] const std::string& line() const { return line_; }
   [[nodiscard]] std::size_t line_number() const { return line_number_; }  ///< From 1.
+  /// Where the current line begins, in the unpacked text.
+  [[nodiscard]] std::uint64_t line_offset() const { return line_offset_; }
   /// Share of the file read so far, in [0, 1].
   [[nodiscard]] double progress() const;
 
@@ -46,6 +49,8 @@ class LineReader {
   std::size_t block_end_ = 0;
   std::string line_;
   std::size_t line_number_ = 0;
+  std::uint64_t line_offset_ = 0;
+  std::uint64_t next_offset_ = 0;
 };
 
 }  // namespace cornerfix::cli

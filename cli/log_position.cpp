@@ -1,6 +1,5 @@
 #include "cli/log_position.hpp"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -27,16 +26,9 @@ std::optional<LogPosition> parse_log_position(std::string_view text) {
   return parse_number<std::size_t>(text);
 }
 
-std::span<const LogScan> scans_from(std::span<const LogScan> scans, const LogPosition& from) {
-  if (const auto* index = std::get_if<std::size_t>(&from)) {
-    return scans.subspan(std::min(*index, scans.size()));
-  }
-  if (scans.empty()) return scans;
-  const double stamp = scans.front().scan.stamp + std::get<LogTime>(from).seconds;
-  const auto first = std::find_if(scans.begin(), scans.end(), [stamp](const LogScan& scan) {
-    return scan.scan.stamp >= stamp;
-  });
-  return scans.subspan(static_cast<std::size_t>(first - scans.begin()));
+bool is_reached(const LogPosition& from, std::size_t index, double seconds) {
+  if (const auto* wanted = std::get_if<std::size_t>(&from)) return index >= *wanted;
+  return seconds >= std::get<LogTime>(from).seconds;
 }
 
 }  // namespace cornerfix::cli

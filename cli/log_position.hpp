@@ -3,11 +3,8 @@
 
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <variant>
-
-#include "cli/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -22,8 +19,7 @@ using LogPosition = std::variant<std::size_t, LogTime>;
 /// "120" is a scan, "30s" or "1.5s" a time; nothing for anything else.
 [[nodiscard]] std::optional<LogPosition> parse_log_position(std::string_view text);
 
-/// The scans from there on; empty when it lies behind the last.
-[[nodiscard]] std::span<const LogScan> scans_from(std::span<const LogScan> scans,
-                                                  const LogPosition& from);
+/// Whether the `index`th scan, this long after the first one, lies there or behind.
+[[nodiscard]] bool is_reached(const LogPosition& from, std::size_t index, double seconds);
 
 }  // namespace cornerfix::cli

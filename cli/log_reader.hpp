@@ -1,14 +1,19 @@
 /// \file  Recorded drives as one stream of scans, whatever file they are in.
 ///
-/// JSON lines (.jsonl, .jsonl.gz): first an object with `name`, `beams` and the lidar's
+/// JSON lines (.jsonl): first an object with `name`, `beams` and the lidar's
 /// `angle_min`, `angle_increment`, `range_min`, `range_max`; then a line a scan,
 /// {"t": s, "ranges": [m | null], "odom": [x, y, yaw] | null, "pose": [x, y, yaw] | null}, with
 /// "kf": 1 on key scans; other members are ignored.
-/// CARMEN (.log, .clf, .gfs): the FLASER messages. All poses are of the laser.
+/// CARMEN (.log, .clf, .gfs): FLASER, RLASER, ROBOTLASER1 and RAWLASER1 with ODOM and PARAM. A
+/// FLASER that says no more of its pose than its odometry does has no reference pose.
+/// Bags of ROS (.bag of format 2.0, .mcap, .db3): sensor_msgs/LaserScan with nav_msgs/Odometry and
+/// tf. Where tf knows `map`, the laser's pose there is the reference pose.
+/// All poses are of the laser.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +21,8 @@
 
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/result.hpp>
+
+#include "cli/log_fault.hpp"
 
 namespace cornerfix::cli {
 
@@ -41,36 +48,56 @@ struct RecordedLog {
   std::vector<LogScan> scans;
 };
 
-class ScanParser;
-class LineReader;
+class LogSource;
 
-/// Reads a log scan by scan. One thread at a time.
+/// Reads a log scan by scan, and holds no more of it than it needs for the next one. Records that
+/// are broken, and scans that are no younger than the one before, are left out and counted. One
+/// thread at a time.
 class LogReader {
  public:
-  /// Reads up to the first scan, so that the header is known. Errors name file and line.
-  [[nodiscard]] static Result<LogReader> open(const std::filesystem::path& path);
+  /// More beams than this has no lidar.
+  static constexpr std::size_t kMaxBeams = 20000;
+
+  /// Reads up to the first scan, so that the header is known.
+  /// \param lidar  Which lidar of a log with several: a bag's topic or a CARMEN message ("RLASER");
+  ///               empty for that of the first scan. Means nothing for JSON lines.
+  [[nodiscard]] static Result<LogReader> open(const std::filesystem::path& path,
+                                              const std::string& lidar = "");
   ~LogReader();
   LogReader(LogReader&&) noexcept;
 
   [[nodiscard]] const LogHeader& header() const;
   /// The next scan, or nothing at the end of the log.
-  [[nodiscard]] Result<std::optional<LogScan>> next();
+  [[nodiscard]] std::optional<LogScan> next();
   /// Share of the file read so far, in [0, 1].
   [[nodiscard]] double progress() const;
+  /// What was left out so far.
+  [[nodiscard]] const LogFaults& faults() const { return faults_; }
+  /// What was assumed, for people.
+  [[nodiscard]] const std::vector<std::string>& notes() const;
 
  private:
-  LogReader(std::unique_ptr<LineReader> lines, std::unique_ptr<ScanParser> parser,
-            std::filesystem::path path);
-  [[nodiscard]] Result<std::optional<LogScan>> parse_next();
+  LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path);
+  [[nodiscard]] std::optional<LogScan> next_in_order();
 
-  std::filesystem::path path_;
-  std::unique_ptr<LineReader> lines_;
-  std::unique_ptr<ScanParser> parser_;
+  std::unique_ptr<LogSource> source_;
+  std::string name_;  ///< Of the file.
+  LogHeader header_;
+  LogFaults faults_;
+  std::optional<double> last_stamp_;
   std::optional<LogScan> first_;  ///< Read ahead by open().
 };
+
+/// What a person should know of a log that was read: notes, and the broken records. Empty when
+/// there is nothing to tell.
+[[nodiscard]] std::string remarks(const LogReader& reader);
 
 /// All of a log; `stride` n keeps every n-th scan, from the first.
 [[nodiscard]] Result<RecordedLog> read_log(const std::filesystem::path& path,
                                            std::size_t stride = 1);
+/// The rest of a log. \param progress  Called with the share of the file read, a scan each; may be
+/// empty.
+[[nodiscard]] RecordedLog read_all(LogReader& reader, std::size_t stride = 1,
+                                   const std::function<void(double)>& progress = {});
 
 }  // namespace cornerfix::cli

@@ -1,18 +1,16 @@
 #include "cli/map_build.hpp"
 
-#include <spdlog/fmt/chrono.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "api/requests.hpp"
 #include "cli/command.hpp"
-#include "cli/evaluation.hpp"
 #include "cli/progress.hpp"
 #include "cli/scan_json.hpp"
 #include "server/map_library.hpp"
@@ -32,19 +30,26 @@ std::string file_name(const std::string& path) {
 using Growth = server::MapGrowthReport;
 using AddBatch = std::function<Result<Growth>(std::span<const LogScan>)>;
 
+std::vector<LogScan> next_batch(MappingScans& scans) {
+  std::vector<LogScan> batch;
+  while (batch.size() < kScansPerBatch) {
+    std::optional<LogScan> scan = scans.next();
+    if (!scan) break;
+    batch.push_back(std::move(*scan));
+  }
+  return batch;
+}
+
 /// Adds all scans, a batch after the other. Returns where the map stands in the end.
-Result<Growth> add_in_batches(std::span<const LogScan> scans, const AddBatch& add,
-                              Progress* progress) {
+Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress* progress) {
   Growth total;
-  for (std::size_t at = 0; at < scans.size(); at += kScansPerBatch) {
-    const auto batch = scans.subspan(at, std::min(kScansPerBatch, scans.size() - at));
+  for (auto batch = next_batch(scans); !batch.empty(); batch = next_batch(scans)) {
     Result<Growth> growth = add(batch);
     if (!growth) return growth;
     growth->accepted += total.accepted;
     growth->duplicates += total.duplicates;
     total = *growth;
-    if (progress == nullptr) continue;
-    progress->update(static_cast<double>(at + batch.size()) / static_cast<double>(scans.size()));
+    if (progress != nullptr) progress->update(scans.progress());
   }
   return total;
 }
@@ -58,10 +63,10 @@ std::string description_body(const MapBuildArguments& arguments, const LogHeader
 // --- over HTTP ----------------------------------------------------------------------------------
 
 HttpRequest batch_request(const std::string& map, const LogHeader& header,
-                          std::span<const LogScan> scans, bool slam) {
+                          std::span<const LogScan> scans, bool without_poses) {
   auto list = nlohmann::ordered_json::array();
   for (const LogScan& scan : scans)
-    list.push_back(slam ? robot_scan_json(scan, true) : posed_scan_json(scan));
+    list.push_back(without_poses ? robot_scan_json(scan, true) : posed_scan_json(scan));
   const nlohmann::ordered_json body = {{"lidar", lidar_json(header)}, {"scans", std::move(list)}};
   return {"POST", "/v1/maps/" + percent_encode(map) + "/scans", body.dump()};
 }
@@ -75,22 +80,23 @@ Growth growth_from_json(const nlohmann::json& answer) {
           .revision = answer.value("revision", std::uint64_t{0})};
 }
 
-Result<Growth> build_over_http(const MapBuildArguments& arguments, const LogHeader& header,
-                               std::span<const LogScan> scans) {
+Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans& scans) {
+  const LogHeader& header = scans.log().header();
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
   const Result<nlohmann::json> described = server->call(
       {"PUT", "/v1/maps/" + percent_encode(arguments.name), description_body(arguments, header)});
   if (!described) return described.error();
   const auto add = [&](std::span<const LogScan> batch) -> Result<Growth> {
-    const auto answer = server->call(batch_request(arguments.name, header, batch, arguments.slam));
+    const auto answer =
+        server->call(batch_request(arguments.name, header, batch, arguments.scans.without_poses));
     if (!answer) return answer.error();
     return growth_from_json(*answer);
   };
   if (server->is_printing()) return add_in_batches(scans, add, nullptr);
   Progress progress("mapping");
   Result<Growth> growth = add_in_batches(scans, add, &progress);
-  if (!growth || !arguments.slam) return growth;
+  if (!growth || !arguments.scans.without_poses) return growth;
   // Whoever asks for the map first has its trajectory optimised.
   const Result<nlohmann::json> ready =
       server->call({"GET", "/v1/maps/" + percent_encode(arguments.name) + "/features"});
@@ -100,11 +106,6 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, const LogHead
 }
 
 // --- into a file --------------------------------------------------------------------------------
-
-/// RFC 3339 in UTC.
-std::string now_text() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
 
 /// What the request checks over HTTP is checked here as well.
 Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
@@ -136,24 +137,23 @@ std::vector<RobotScan> robot_scans(std::span<const LogScan> scans) {
   return robot;
 }
 
-Result<Growth> build_into_file(const MapBuildArguments& arguments, const LogHeader& header,
-                               std::span<const LogScan> scans) {
+Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
-  server::MapLibrary library(*stores, {}, now_text);
-  const Result<void> described = describe_map(library, arguments, header);
+  server::MapLibrary library(*stores, {}, utc_now_text);
+  const Result<void> described = describe_map(library, arguments, scans.log().header());
   if (!described) return described.error();
   Progress progress("mapping");
   Result<Growth> growth = add_in_batches(
       scans,
       [&](std::span<const LogScan> batch) {
-        return arguments.slam ? library.grow(arguments.name, robot_scans(batch))
-                              : library.grow(arguments.name, posed_scans(batch));
+        return arguments.scans.without_poses ? library.grow(arguments.name, robot_scans(batch))
+                                             : library.grow(arguments.name, posed_scans(batch));
       },
       &progress);
   if (!growth) return growth;
   std::optional<Progress> optimizing;
-  if (arguments.slam) optimizing.emplace("optimizing");
+  if (arguments.scans.without_poses) optimizing.emplace("optimizing");
   // Stores the features and the grid as well.
   const auto ready = library.load(arguments.name, [&](double share) {
     if (optimizing) optimizing->update(share);
@@ -165,39 +165,16 @@ Result<Growth> build_into_file(const MapBuildArguments& arguments, const LogHead
 
 }  // namespace
 
-std::vector<LogScan> mapping_scans(RecordedLog log, double split) {
-  log.scans.resize(split_index(log, split));
-  const bool marks_key_scans = std::any_of(log.scans.begin(), log.scans.end(),
-                                           [](const LogScan& scan) { return scan.is_key_scan; });
-  std::erase_if(log.scans, [&](const LogScan& scan) {
-    return !scan.T_map_laser || (marks_key_scans && !scan.is_key_scan);
-  });
-  return std::move(log.scans);
-}
-
 int run_map_build(const MapBuildArguments& arguments) {
-  Result<RecordedLog> log = read_log(arguments.log, arguments.stride);
-  if (!log) return fail(log.error());
-  const LogHeader header = log->header;
-  std::vector<LogScan> scans;
-  if (arguments.slam) {
-    log->scans.resize(split_index(*log, arguments.split));
-    scans = std::move(log->scans);
-  } else {
-    scans = mapping_scans(std::move(*log), arguments.split);
-  }
-  if (scans.empty()) {
-    return fail({ErrorCode::kInvalidArgument,
-                 arguments.slam ? "holds no scan" : "holds no scan with a pose; see --slam",
-                 arguments.log});
-  }
-  const Result<Growth> growth = arguments.database.empty()
-                                    ? build_over_http(arguments, header, scans)
-                                    : build_into_file(arguments, header, scans);
+  Result<MappingScans> scans = MappingScans::open(arguments.log, arguments.scans);
+  if (!scans) return fail(scans.error());
+  const Result<Growth> growth = arguments.database.empty() ? build_over_http(arguments, *scans)
+                                                           : build_into_file(arguments, *scans);
   if (!growth) return fail(growth.error());
+  warn(arguments.log, scans->remarks());
   if (arguments.connection.print_curl) return kDone;
   std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
-              arguments.name.c_str(), scans.size(), growth->duplicates, growth->key_frames,
+              arguments.name.c_str(), scans->count(), growth->duplicates, growth->key_frames,
               growth->features, static_cast<unsigned long long>(growth->revision));
   return kDone;
 }

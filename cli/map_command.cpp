@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/map_archive.hpp"
 #include "cli/map_build.hpp"
+#include "cli/map_import.hpp"
 #include "cli/server_connection.hpp"
 
 namespace cornerfix::cli {
@@ -113,22 +115,28 @@ void add_build_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapBuildArguments>();
   CLI::App* command = map.add_subcommand("build", "Make a map from a log, or let a map grow by it");
   command->footer(
-      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs; its poses must be corrected ones),"
-      "\nalso with .gz. Where a log marks key scans, only those make the map. Scans that the map "
-      "has"
-      "\nalready are skipped, so the same log may be sent again.");
+      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS "
+      "1\n"
+      "or 2 (.bag, .mcap, .db3). Its poses must be corrected ones: of CARMEN those of the laser, "
+      "of\n"
+      "bags those that tf knows in the frame map. Where a log marks key scans, only those make "
+      "the\n"
+      "map. With --slam all scans do, and their poses are found. Scans that the map has already "
+      "are\n"
+      "skipped, so the same log may be sent again.");
   command->add_option("NAME", arguments->name, "Name of the map")->required();
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--split", arguments->split, "Use this first share of the log only")
+  command->add_option("--split", arguments->scans.split, "Use this first share of the log only")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--stride", arguments->stride, "Use every n-th scan")
+  command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_flag("--slam", arguments->slam,
+  command->add_flag("--slam", arguments->scans.without_poses,
                     "Find the poses from scans and odometry instead of taking the log's");
+  add_lidar_option(*command, arguments->scans.lidar);
   CLI::Option* database = command->add_option(
       "--db", arguments->database, "Write into this database file instead of asking a server");
   add_connection_options(*command, arguments->connection);
@@ -138,12 +146,48 @@ void add_build_command(CLI::App& map, int& exit_code) {
   command->callback([arguments, &exit_code] { exit_code = run_map_build(*arguments); });
 }
 
+void add_archive_command(CLI::App& map, const char* name, const char* help, const char* file_help,
+                         int (*run)(const MapArchiveArguments&), int& exit_code) {
+  auto arguments = std::make_shared<MapArchiveArguments>();
+  CLI::App* command = map.add_subcommand(name, help);
+  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  command->add_option("FILE", arguments->file, file_help)->required();
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, run, &exit_code] { exit_code = run(*arguments); });
+}
+
+void add_import_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapImportArguments>();
+  CLI::App* command =
+      map.add_subcommand("import", "Make a map from a ROS floor map alone, without any scan");
+  command->footer(
+      "A floor map is a yaml and a pgm or png as ROS map_server has them. Features come from "
+      "virtual\nscans in its free space. Imported again, a floor map replaces the one that the map "
+      "was made from.");
+  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  command->add_option("YAML", arguments->yaml, "The floor map's yaml; its image lies beside it")
+      ->required()
+      ->check(CLI::ExistingFile);
+  CLI::Option* database = command->add_option(
+      "--db", arguments->database, "Write into this database file instead of asking a server");
+  add_connection_options(*command, arguments->connection);
+  for (const char* option : {"--server", "--token", "--print-curl"}) {
+    database->excludes(command->get_option(option));
+  }
+  command->callback([arguments, &exit_code] { exit_code = run_map_import(*arguments); });
+}
+
 }  // namespace
 
 void add_map_command(CLI::App& app, int& exit_code) {
-  CLI::App* map = app.add_subcommand("map", "Make, list, show and delete maps");
+  CLI::App* map = app.add_subcommand("map", "Make, list, show, carry and delete maps");
   map->require_subcommand(1);
   add_build_command(*map, exit_code);
+  add_import_command(*map, exit_code);
+  add_archive_command(*map, "export", "Write a map into one file", "Where to write it",
+                      run_map_export, exit_code);
+  add_archive_command(*map, "restore", "Make a map of the file that export wrote", "The file",
+                      run_map_restore, exit_code);
   add_list_command(*map, exit_code);
   add_named_command(*map, "show", "Show what the server knows of a map", show_map, exit_code);
   add_named_command(*map, "delete", "Delete a map", delete_map, exit_code);

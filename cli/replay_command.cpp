@@ -1,19 +1,18 @@
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cli/command.hpp"
-#include "cli/evaluation.hpp"
 #include "cli/log_position.hpp"
+#include "cli/log_survey.hpp"
 #include "cli/scan_json.hpp"
 #include "cli/server_connection.hpp"
 
@@ -26,6 +25,7 @@ constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 struct ReplayArguments {
   ConnectionOptions connection;
   std::string log;
+  std::string lidar;
   std::string map;
   std::string robot = "replay";
   LogPosition from;
@@ -44,11 +44,75 @@ double way_between(const LogScan& from, const LogScan& to) {
   return 0.0;
 }
 
-double way_along(std::span<const LogScan> scans) {
-  double way = 0.0;
-  for (std::size_t i = 1; i < scans.size(); ++i) way += way_between(scans[i - 1], scans[i]);
-  return way;
-}
+/// The scans that a robot posts: those behind the share that made the map, from where it is
+/// switched on.
+class RobotScans {
+ public:
+  [[nodiscard]] static Result<RobotScans> open(const ReplayArguments& arguments) {
+    std::size_t left_out = 0;
+    if (arguments.split > 0.0) {
+      const Result<LogSurvey> survey = survey_log(arguments.log, arguments.lidar);
+      if (!survey) return survey.error();
+      left_out = survey->posed_scans_in(arguments.split);
+    }
+    Result<LogReader> reader = LogReader::open(arguments.log, arguments.lidar);
+    if (!reader) return reader.error();
+    RobotScans scans(std::move(*reader));
+    if (scans.go_to(left_out, arguments.from)) return scans;
+    return Error{ErrorCode::kInvalidArgument, "holds no scan from there on", arguments.log};
+  }
+
+  /// The next `size` scans, fewer at the end of the log.
+  std::vector<LogScan> next_batch(std::size_t size) {
+    std::vector<LogScan> batch;
+    while (batch.size() < size) {
+      std::optional<LogScan> scan = first_ ? std::exchange(first_, std::nullopt) : reader_.next();
+      if (!scan) break;
+      batch.push_back(std::move(*scan));
+    }
+    return batch;
+  }
+
+  [[nodiscard]] const LogReader& log() const { return reader_; }
+
+ private:
+  explicit RobotScans(LogReader reader) : reader_(std::move(reader)) {}
+
+  /// False when the log ends before.
+  bool go_to(std::size_t left_out, const LogPosition& from) {
+    std::size_t index = 0;
+    std::optional<double> first_stamp;
+    while (std::optional<LogScan> scan = reader_.next()) {
+      if (left_out > 0) {
+        left_out -= scan->T_map_laser ? 1 : 0;
+        continue;
+      }
+      if (!first_stamp) first_stamp = scan->scan.stamp;
+      if (is_reached(from, index++, scan->scan.stamp - *first_stamp)) {
+        first_ = std::move(scan);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  LogReader reader_;
+  std::optional<LogScan> first_;
+};
+
+/// Metres driven so far.
+class Way {
+ public:
+  void add(const LogScan& scan) {
+    if (last_) way_m_ += way_between(*last_, scan);
+    last_ = {{}, scan.T_odom_laser, scan.T_map_laser};
+  }
+  [[nodiscard]] double m() const { return way_m_; }
+
+ private:
+  std::optional<LogScan> last_;  ///< Its poses.
+  double way_m_ = 0.0;
+};
 
 std::string pose_text(const Pose2& pose) {
   char text[96];
@@ -159,13 +223,13 @@ class ChangePrinter {  // NOLINT(bugprone-exception-escape)
     answer_ = std::move(answer);
     seconds_ = seconds;
     way_ = way;
-    last_scan_ = &last_scan;
+    last_scan_ = last_scan;
     is_printed_ = false;
     if (is_change) print();
   }
 
   void finish() {
-    if (last_scan_ != nullptr && !is_printed_) print();
+    if (last_scan_ && !is_printed_) print();
   }
 
   [[nodiscard]] bool is_localized() const { return status(answer_) == "localized"; }
@@ -183,48 +247,45 @@ class ChangePrinter {  // NOLINT(bugprone-exception-escape)
   nlohmann::json answer_;
   double seconds_ = 0.0;
   double way_ = 0.0;
-  const LogScan* last_scan_ = nullptr;
+  std::optional<LogScan> last_scan_;
   bool is_printed_ = false;
 };
 
 /// True when the robot knows where it is at the end: of the log, or some way after its first fix.
-Result<bool> drive(Robot& robot, const ReplayArguments& arguments, std::span<const LogScan> scans,
+Result<bool> drive(Robot& robot, const ReplayArguments& arguments, RobotScans& scans,
                    bool is_printing_curl) {
   const Pace pace(is_printing_curl ? 0.0 : arguments.rate);
   ChangePrinter printer;
+  std::optional<double> first_stamp;
   std::optional<double> fixed_at_m;
-  double way = 0.0;
-  for (std::size_t at = 0; at < scans.size(); at += arguments.batch) {
-    const auto batch = scans.subspan(at, std::min(arguments.batch, scans.size() - at));
-    const double seconds = batch.back().scan.stamp - scans.front().scan.stamp;
-    if (at > 0) way += way_between(scans[at - 1], scans[at]);
-    way += way_along(batch);
+  Way way;
+  for (auto batch = scans.next_batch(arguments.batch); !batch.empty();
+       batch = scans.next_batch(arguments.batch)) {
+    if (!first_stamp) first_stamp = batch.front().scan.stamp;
+    const double seconds = batch.back().scan.stamp - *first_stamp;
+    for (const LogScan& scan : batch) way.add(scan);
     pace.wait_until(seconds);
     Result<nlohmann::json> answer = robot.post(batch);
     if (!answer) return answer.error();
     if (is_printing_curl) continue;
-    printer.add(std::move(*answer), seconds, way, batch.back());
-    if (!fixed_at_m && printer.is_localized()) fixed_at_m = way;
-    if (fixed_at_m && way >= *fixed_at_m + arguments.track_m) break;
+    printer.add(std::move(*answer), seconds, way.m(), batch.back());
+    if (!fixed_at_m && printer.is_localized()) fixed_at_m = way.m();
+    if (fixed_at_m && way.m() >= *fixed_at_m + arguments.track_m) break;
   }
   printer.finish();
   return printer.is_localized();
 }
 
 int run_replay(const ReplayArguments& arguments) {
-  const Result<RecordedLog> log = read_log(arguments.log);
-  if (!log) return fail(log.error());
-  const std::size_t first = split_index(*log, arguments.split);
-  const auto scans = scans_from(std::span(log->scans).subspan(first), arguments.from);
-  if (scans.empty()) {
-    return fail({ErrorCode::kInvalidArgument, "holds no scan from there on", arguments.log});
-  }
+  Result<RobotScans> scans = RobotScans::open(arguments);
+  if (!scans) return fail(scans.error());
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  Robot robot(arguments, log->header, *server);
+  Robot robot(arguments, scans->log().header(), *server);
   const Result<void> on = robot.switch_on();
   if (!on) return fail(on.error());
-  const Result<bool> localized = drive(robot, arguments, scans, server->is_printing());
+  const Result<bool> localized = drive(robot, arguments, *scans, server->is_printing());
+  warn(arguments.log, remarks(scans->log()));
   if (!arguments.keep_session) {
     const Result<void> off = robot.switch_off();
     if (localized && !off) return fail(off.error());
@@ -234,9 +295,12 @@ int run_replay(const ReplayArguments& arguments) {
 }
 
 void add_options(CLI::App& command, ReplayArguments& arguments) {
-  command.add_option("LOG", arguments.log, "Recorded drive: .jsonl, .log, .clf, .gfs, also .gz")
+  command
+      .add_option("LOG", arguments.log,
+                  "Recorded drive: .jsonl, .log, .clf, .gfs, also .gz; .bag, .mcap, .db3")
       ->required()
       ->check(CLI::ExistingFile);
+  add_lidar_option(command, arguments.lidar);
   command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)");
   command.add_option("--robot", arguments.robot, "Name of the robot")->capture_default_str();
   command

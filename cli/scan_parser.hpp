@@ -24,7 +24,11 @@ class ScanParser {
   LogHeader header_;
 };
 
+/// Whether a scan was taken by the lidar of the log's first one, as far as rounding lets tell.
+[[nodiscard]] bool has_geometry_of(const LaserScan& scan, const LaserScan& lidar);
+
 [[nodiscard]] std::unique_ptr<ScanParser> make_json_lines_parser();
-[[nodiscard]] std::unique_ptr<ScanParser> make_carmen_parser();
+/// `lidar` is the message to take ("FLASER"), or empty for that of the first scan.
+[[nodiscard]] std::unique_ptr<ScanParser> make_carmen_parser(std::string lidar);
 
 }  // namespace cornerfix::cli

@@ -54,6 +54,13 @@ Result<nlohmann::json> ServerConnection::call(const HttpRequest& request) {
   return json;
 }
 
+Result<std::string> ServerConnection::fetch(const HttpRequest& request) {
+  if (!curl_) return client_.send(request);
+  const Result<nlohmann::json> printed = print(request);
+  if (!printed) return printed.error();
+  return std::string();
+}
+
 Result<nlohmann::json> ServerConnection::print(const HttpRequest& request) {
   const Result<std::string> line = curl_->line(request);
   if (!line) return line.error();

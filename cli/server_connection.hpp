@@ -29,6 +29,9 @@ class ServerConnection {
   /// goes to stdout, and the answer is null.
   [[nodiscard]] Result<nlohmann::json> call(const HttpRequest& request);
 
+  /// The answer's bytes, whatever they are; empty with --print-curl.
+  [[nodiscard]] Result<std::string> fetch(const HttpRequest& request);
+
   /// Whether answers are only null, since nothing is sent.
   [[nodiscard]] bool is_printing() const { return curl_.has_value(); }
 

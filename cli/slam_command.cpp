@@ -11,6 +11,7 @@
 #include "cli/progress.hpp"
 #include "cli/slam_run.hpp"
 #include "cli/trajectory_score.hpp"
+#include "cli/whole_log.hpp"
 
 namespace cornerfix::cli {
 
@@ -18,6 +19,7 @@ namespace {
 
 struct SlamArguments {
   std::string log;
+  std::string lidar;
   bool no_odometry = false;
 };
 
@@ -42,7 +44,7 @@ nlohmann::ordered_json error_json(const RelativePoseError& error) {
 }
 
 int run_slam_command(const SlamArguments& arguments) {
-  const Result<RecordedLog> log = read_log(arguments.log);
+  const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar);
   if (!log) return fail(log.error());
   Progress progress("slam");
   const std::clock_t begin = std::clock();
@@ -76,6 +78,7 @@ void add_slam_command(CLI::App& app, int& exit_code) {
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
       ->check(CLI::ExistingFile);
+  add_lidar_option(*command, arguments->lidar);
   command->add_flag("--no-odom", arguments->no_odometry, "Use the scans alone");
   command->callback([arguments, &exit_code] { exit_code = run_slam_command(*arguments); });
 }

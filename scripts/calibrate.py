@@ -21,7 +21,7 @@ HIDDEN = slice(12, 14)
 UNKNOWN_PASSED = 3
 UNSEEN = -0.1  # What the map does not know says nothing; a trace keeps the search out of it.
 RARE = 0.002
-LEAST_RIVAL, RIVAL_MARGIN = -0.5, 0.5  # nats an end, as in core's localizer
+LEAST_RIVAL, RIVAL_MARGIN = -0.5, 0.75  # nats an end, as in core's localizer
 MIN_GAP, MIN_MEAN_GAP = 10, 0.08  # as in AcceptanceParams
 PLAUSIBLE = 0.5  # share of matched ends from which a wrong pose is a rival
 PROBABILITIES = (0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
@@ -39,6 +39,7 @@ class Samples:
         self.passes = {place: counts(place, "pass", PASS_CLASSES) for place in ("best", "second")}
         self.right = np.array([int(row["right"]) for row in rows])
         self.building = np.array([row["log"].split(":")[-1] for row in rows])
+        self.mirrored = np.array([row["log"].startswith("mirrored:") for row in rows])
 
 
 def shares(counts):
@@ -82,8 +83,8 @@ def features(samples, chosen, weights):
     gap = np.maximum(0, best - np.maximum(second, floor))
     contradicted, unmapped = (samples.ends["best"][chosen][:, cells].sum(axis=1) / count
                               for cells in (CONTRADICTED, UNKNOWN))
-    x = np.column_stack([np.ones(len(gap)), np.sqrt(gap), np.sqrt(gap / count), np.log(contradicted + 0.02),
-                         np.log(1.02 - unmapped)])
+    x = np.column_stack([np.ones(len(gap)), gap / count, np.log(contradicted + 0.02), np.log(1.02 - unmapped),
+                         np.log(np.maximum(count, 1))])
     return x, (gap >= MIN_GAP) & (gap >= MIN_MEAN_GAP * count)
 
 
@@ -145,19 +146,22 @@ def curve(p, right):
 
 def main():
     samples = Samples(sys.argv[1])
-    everything = np.arange(len(samples.right))
+    mirrored, everything = np.flatnonzero(samples.mirrored), np.flatnonzero(~samples.mirrored)
     print("left out:")
-    held_out = np.zeros(len(everything))
+    held_out = np.zeros(len(samples.right))
     for building in sorted(set(samples.building)):
-        rest, test = everything[samples.building != building], everything[samples.building == building]
+        here = samples.building[everything] == building
+        rest, test = everything[~here], everything[here]
         weights = learn_weights(samples, rest)
         held_out[test] = decide(samples, test, weights, learn_decision(samples, rest, weights))
         report(building, held_out[test], samples.right[test])
-    report("pooled", held_out, samples.right)
-    curve(held_out, samples.right)
+    report("pooled", held_out[everything], samples.right[everything])
+    curve(held_out[everything], samples.right[everything])
     weights = weights_in_core()
     coefficients = learn_decision(samples, everything, weights)
-    report("all, with core's weights", decide(samples, everything, weights, coefficients), samples.right)
+    report("all, with core's weights", decide(samples, everything, weights, coefficients), samples.right[everything])
+    # The localizer looks for the mirror image of what it sees before a fix: so these never taught it.
+    report("mirrored, before that check", decide(samples, mirrored, weights, coefficients), samples.right[mirrored])
     learnt = learn_weights(samples, everything)
     print("kRivalWeights, from these samples", learnt[0].round(2).tolist(), learnt[1].round(2).tolist())
     print("logistic, with core's weights", coefficients.round(3).tolist())

@@ -43,21 +43,23 @@ for asked in $buildings; do
   done
 done
 
-echo "simulated drives, fine and coarse lidars, with people and boxes"
-while read -r building map; do
-  cornerfix simulate "$maps/$map.yaml" "$work/map.jsonl.gz" --length 600 --step 0.3 --seed 1
+echo "simulated drives, fine and coarse lidars, with people and boxes, in a building that has changed since"
+while read -r building map inside; do
+  cornerfix simulate "$maps/$map.yaml" "$work/map.jsonl.gz" --length 900 --step 0.3 --seed 1
   seed=2
   for lidar in "--fov 270 --beams 1081 --range-max 30" "--fov 180 --beams 181 --range-max 8"; do
     for guests in "" "--people 4 --boxes 30"; do
       # shellcheck disable=SC2086
-      cornerfix simulate "$maps/$map.yaml" "$work/drive.jsonl.gz" --length 250 --seed $((seed++)) --name "$building" \
-        $lidar $guests
-      sample "$work/drive.jsonl.gz" --map-log "$work/map.jsonl.gz" --starts $((starts / 5))
+      cornerfix simulate "$maps/$map.yaml" "$work/drive.jsonl.gz" --length 250 --step 0.1 --seed $((seed++)) \
+        --name "$building" --inside "$maps/$inside.yaml" $lidar $guests
+      sample "$work/drive.jsonl.gz" --map-log "$work/map.jsonl.gz" --starts $((starts / 3))
     done
   done
 done <<EOF
-willow willow_full_0.05
-tsc strands_tsc_y3
-stata stata_basement
+willow willow_full_0.05 willow_full_0.05
+tsc strands_tsc_y3 strands_tsc_y3
+tsc strands_tsc_y3 strands_tsc_y4
+stata stata_basement stata_basement
+museum deutsches_museum_0.11 deutsches_museum_0.11
 EOF
 /usr/bin/python3 scripts/calibrate.py "$work/samples.csv"

@@ -2,12 +2,14 @@
 # Installs the Debian packages that are missing; does nothing when all are there.
 #   scripts/install_dependencies.sh build   to build and run
 #   scripts/install_dependencies.sh test    to test and check as well
+#   scripts/install_dependencies.sh fuzz    to build and to fuzz
 #   scripts/install_dependencies.sh calibrate   to build and to learn the evidence model again
 set -euo pipefail
 
 build=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libopencv-core-dev libopencv-imgproc-dev libpng-dev libyaml-cpp-dev zlib1g-dev
+  libbz2-dev liblz4-dev libzstd-dev
   libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libsqlite3-dev libsqlitecpp-dev
   libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev
   libjs-leaflet
@@ -17,8 +19,9 @@ test=(git ccache clang-format clang-tidy chromium chromium-driver python3-seleni
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;
   test) wanted=("${build[@]}" "${test[@]}") ;;
+  fuzz) wanted=("${build[@]}" clang-14 libclang-rt-14-dev) ;;
   calibrate) wanted=("${build[@]}" python3-numpy) ;;
-  *) echo "usage: $0 build|test|calibrate" >&2; exit 2 ;;
+  *) echo "usage: $0 build|test|fuzz|calibrate" >&2; exit 2 ;;
 esac
 
 is_installed() { [[ $(dpkg-query -W -f '${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }

@@ -25,6 +25,7 @@ struct Request {
   std::multimap<std::string, std::string> query;
   std::string body;  ///< Inflated.
   api::BodyFormat body_format = api::BodyFormat::kJson;
+  std::map<std::string, std::string> parts;                ///< Of a form, by name.
   api::BodyFormat answer_format = api::BodyFormat::kJson;  ///< By Accept.
   std::string if_none_match;
   Principal principal;

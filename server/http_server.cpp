@@ -10,6 +10,7 @@
 #include <cstring>
 #include <ctime>
 #include <exception>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
@@ -46,6 +47,8 @@ constexpr std::chrono::seconds kBodyDeadline{30};  // For all of it, however ste
 constexpr std::chrono::seconds kHeartbeat{5};
 constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
 constexpr const char* kEmptyObject = "{}";
+constexpr std::size_t kMaxArchiveBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMaxFormParts = 8;
 constexpr std::size_t kMaxDroppedBytes = std::size_t{64} << 20U;
 
 constexpr const char* kContentSecurityPolicy =
@@ -186,7 +189,7 @@ std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std
     received += size;
     is_too_late = SteadyClock::now() >= deadline;
     buffer.append({data, size});
-    return !is_too_late && received <= kMaxDroppedBytes;
+    return !is_too_late && received <= std::max(limit, kMaxDroppedBytes);
   });
   exchange.close |= !is_complete;
   if (is_too_late) return problem_response(408, "timeout", "The body took too long to arrive.");
@@ -197,6 +200,39 @@ std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std
     return problem_response(400, "malformed", "The body is not gzip, or ends early.");
   }
   return buffer.take();
+}
+
+/// The parts of a form by name, read by the library, or the answer to a form that is not to be had.
+std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& exchange,
+                                                                     std::size_t limit) {
+  if (exchange.framing.length > limit) return too_large(limit);
+  const auto deadline = SteadyClock::now() + kBodyDeadline;
+  std::map<std::string, std::string> parts;
+  std::string* part = nullptr;
+  std::size_t received = 0;
+  bool is_too_large = false;
+  bool is_repeated = false;
+  exchange.body_was_read = true;
+  const bool is_complete = (*exchange.reader)(
+      [&](const httplib::MultipartFormData& header) {
+        const auto [at, is_new] = parts.try_emplace(header.name);
+        part = &at->second;
+        received += header.name.size();
+        is_repeated |= !is_new;
+        return is_new && parts.size() <= kMaxFormParts;
+      },
+      [&](const char* data, std::size_t size) {
+        received += size;
+        is_too_large = received > limit;
+        if (is_too_large || SteadyClock::now() >= deadline) return false;
+        part->append(data, size);
+        return true;
+      });
+  exchange.close |= !is_complete;
+  if (is_too_large) return too_large(limit);
+  if (is_repeated) return problem_response(400, "malformed", "A part is there twice.");
+  if (!is_complete) return problem_response(400, "malformed", "The form cannot be read.");
+  return parts;
 }
 
 Response unsupported_media_type(const std::string& content_type) {
@@ -236,6 +272,7 @@ struct HttpServer::Impl {
   Response answer_by_file(Exchange& exchange, const PathSegments& path);
   std::optional<Response> refuse(Exchange& exchange, Access access);
   std::optional<Response> take_body(Exchange& exchange, BodyRule rule);
+  std::optional<Response> take_form(Exchange& exchange);
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
 
@@ -466,9 +503,15 @@ std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule
     }
     return problem_response(411, "length_required", "A body with Content-Length is needed.");
   }
+  if (rule == BodyRule::kForm) return take_form(exchange);
+  const bool is_archive = rule == BodyRule::kArchive;
   const std::string content_type = exchange.raw.get_header_value("Content-Type");
-  const auto format = format_of_content_type(content_type);
+  const auto format = is_archive ? api::BodyFormat::kJson : format_of_content_type(content_type);
   if (!format) return unsupported_media_type(content_type);
+  if (is_archive && content_type != kArchiveType) {
+    return problem_response(415, "unsupported_media_type",
+                            std::string("Send an archive as ") + kArchiveType + ".");
+  }
   std::string encoding = exchange.raw.get_header_value("Content-Encoding");
   const bool is_gzip = strcasecmp(encoding.c_str(), "gzip") == 0;
   if (!is_gzip && !encoding.empty() && strcasecmp(encoding.c_str(), "identity") != 0) {
@@ -477,7 +520,7 @@ std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule
     response.headers.emplace_back("Accept-Encoding", "gzip");
     return response;
   }
-  auto body = read_body(exchange, is_gzip, config.max_body_bytes);
+  auto body = read_body(exchange, is_gzip, is_archive ? kMaxArchiveBytes : config.max_body_bytes);
   if (auto* refusal = std::get_if<Response>(&body)) return std::move(*refusal);
   exchange.request.body_format = *format;
   exchange.request.body = std::move(std::get<std::string>(body));
@@ -485,6 +528,18 @@ std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule
     exchange.request.body = kEmptyObject;
     exchange.request.body_format = api::BodyFormat::kJson;
   }
+  return std::nullopt;
+}
+
+std::optional<Response> HttpServer::Impl::take_form(Exchange& exchange) {
+  const bool is_form = exchange.raw.is_multipart_form_data();
+  if (!is_form || exchange.raw.has_header("Content-Encoding")) {
+    return problem_response(415, "unsupported_media_type",
+                            "Send multipart/form-data without Content-Encoding, as curl -F does.");
+  }
+  auto form = read_form(exchange, config.max_body_bytes);
+  if (auto* refusal = std::get_if<Response>(&form)) return std::move(*refusal);
+  exchange.request.parts = std::move(std::get<0>(form));
   return std::nullopt;
 }
 

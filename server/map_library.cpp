@@ -6,7 +6,9 @@
 #include <type_traits>
 #include <unordered_set>
 
+#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/lidar_odometry.hpp>
+#include <cornerfix/map_image.hpp>
 #include <cornerfix/trajectory_optimizer.hpp>
 
 namespace cornerfix::server {
@@ -22,6 +24,52 @@ constexpr std::size_t kMaxStampsTold = 20;
 
 /// Whether another process came in between, so that trying again on its result makes sense.
 bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
+
+/// The box around a grid, however it is turned.
+Bounds bounds_of(const OccupancyGrid& grid) {
+  const Point2 first = grid.T_map_grid.translation();
+  Bounds bounds{first, first};
+  for (const int column : {0, grid.width}) {
+    for (const int row : {0, grid.height}) {
+      const Point2 corner = grid.T_map_grid * (grid.resolution * Point2(column, row));
+      bounds.extend({corner, corner});
+    }
+  }
+  return bounds;
+}
+
+Error bad_archive(std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message), "/archive"};
+}
+
+void set_bounds(MapInfo& info, const Bounds& bounds) {
+  info.has_bounds = true;
+  info.min_x = bounds.min.x();
+  info.min_y = bounds.min.y();
+  info.max_x = bounds.max.x();
+  info.max_y = bounds.max.y();
+}
+
+/// What is derived for the entry of an archive's map.
+Result<MapInfo> describe(const storage::MapArchive& archive) {
+  const MapperParams params = api::mapper_params_from_json(archive.parameters_json);
+  MapInfo info;
+  if (archive.floor_map) {
+    const auto made = map_from_grid(*archive.floor_map, params);
+    if (!made) return bad_archive(made.error().message);
+    info.feature_count = made->content.features.size();
+    set_bounds(info, bounds_of(made->content.grid));
+    return info;
+  }
+  Mapper mapper(params);
+  for (const PosedScan& key_frame : archive.key_frames) {
+    if (const auto error = mapper.reject(key_frame)) return bad_archive(error->message);
+    mapper.add(key_frame);
+  }
+  info.feature_count = mapper.feature_count();
+  if (mapper.bounds()) set_bounds(info, *mapper.bounds());
+  return info;
+}
 
 /// The scans that the map does not hold and that are not earlier in the batch.
 template <typename Scan>
@@ -91,6 +139,17 @@ Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParam
     mapper.add(std::move(key_frame));
   }
   return mapper.build();
+}
+
+/// An error in a floor map, as one in the form that it came in.
+Error at_part(Error error) {
+  error.field = "/" + error.field;
+  return error;
+}
+
+Error no_key_frames() {
+  return {ErrorCode::kConflict,
+          "the map was made from a floor map: it has no key frames that could move", "/map"};
 }
 
 const api::StampedPose* nearest(const std::vector<api::StampedPose>& poses, double stamp) {
@@ -291,12 +350,67 @@ Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
   return stores_->with_maps([&](MapStore& maps) -> Result<MapInfo> {
     const auto current = maps.find(name);
     if (!current) return current.error();
+    if (current->has_floor_map) return no_key_frames();
     const auto key_frames = maps.key_frames(current->id);
     if (!key_frames) return key_frames.error();
     const auto moved = poses_of(*key_frames, poses);
     if (!moved) return moved.error();
     return maps.move_key_frames(current->id, current->revision, *moved, now_());
   });
+}
+
+Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
+                                                 std::span<const std::byte> image) {
+  const auto floor_map = parse_map(yaml, image);
+  if (!floor_map) return at_part(floor_map.error());
+  const auto found = find(name);
+  if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+  auto made = map_from_grid(
+      *floor_map, api::mapper_params_from_json(found ? found->parameters_json : std::string()));
+  if (!made) return at_part(made.error());
+  const Bounds bounds = bounds_of(made->content.grid);
+  const storage::FloorMap stored{.grid = *floor_map,
+                                 .feature_count = made->content.features.size(),
+                                 .min_x = bounds.min.x(),
+                                 .min_y = bounds.min.y(),
+                                 .max_x = bounds.max.x(),
+                                 .max_y = bounds.max.y()};
+  const auto created =
+      stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
+  if (!created) return created.error();
+  auto info = find(name);
+  if (!info) return info.error();
+  const auto kept = stores_->with_maps(
+      [&](MapStore& maps) { return maps.store_content(info->id, info->revision, made->content); });
+  if (!kept) return kept.error();
+  FloorMapReport report{*created, std::move(*info), std::move(made->warnings)};
+  if (auto advice = threshold_advice(yaml, image)) report.warnings.push_back(std::move(*advice));
+  return report;
+}
+
+Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name) {
+  const auto archive = stores_->with_maps([&](MapStore& maps) { return maps.archive(name); });
+  if (!archive) return archive.error();
+  return storage::encode_archive(*archive);
+}
+
+Result<MapInfo> MapLibrary::restore(std::string_view name, std::span<const std::uint8_t> bytes) {
+  const auto archive = storage::decode_archive(bytes);
+  if (!archive) return at_part(archive.error());
+  if (!api::is_put_map_request(archive->description, archive->lidar_json, archive->parameters_json))
+    return bad_archive("its description, lidar or parameters are not as a server writes them");
+  const auto info = describe(*archive);
+  if (!info) return info.error();
+  return stores_->with_maps(
+      [&](MapStore& maps) { return maps.restore(name, *archive, *info, now_()); });
+}
+
+Result<OccupancyGrid> MapLibrary::grid(const MapInfo& info) {
+  if (info.has_floor_map)
+    return stores_->with_maps([&](MapStore& maps) { return maps.floor_map(info.id); });
+  const auto map = load(info);
+  if (!map) return map.error();
+  return (*map)->grid();
 }
 
 Result<LocalizationMapPtr> MapLibrary::load(std::string_view name, const Progress& progress) {
@@ -328,17 +442,33 @@ Result<MapContent> MapLibrary::content_of(GrowingMap& growing, const MapInfo& in
   if (stored->has_value() && (*stored)->revision == info.revision) {
     return std::move((*stored)->content);
   }
+  auto made = info.has_floor_map ? content_of_floor_map(info)
+                                 : content_of_key_frames(growing, info, progress);
+  if (!made) return made;
+  MapContent& content = *made;
+  const auto kept = stores_->with_maps(
+      [&](MapStore& maps) { return maps.store_content(info.id, info.revision, content); });
+  if (!kept) return kept.error();
+  return made;
+}
+
+Result<MapContent> MapLibrary::content_of_floor_map(const MapInfo& info) {
+  const auto floor_map =
+      stores_->with_maps([&](MapStore& maps) { return maps.floor_map(info.id); });
+  if (!floor_map) return floor_map.error();
+  auto made = map_from_grid(*floor_map, mapper_params(info));
+  if (!made) return made.error();
+  return std::move(made->content);
+}
+
+Result<MapContent> MapLibrary::content_of_key_frames(GrowingMap& growing, const MapInfo& info,
+                                                     const Progress& progress) {
   const bool was_growing = growing.mapper.has_value();
   if (auto rebuilt = rebuild(growing, info); !rebuilt) return rebuilt.error();
   auto built = info.drifts ? build_without_drift(*growing.mapper, mapper_params(info), progress)
                            : Result<MapContent>(growing.mapper->build());
   if (!was_growing) growing.forget();  // Its key frames are needed for growing only.
-  if (!built) return built;
-  MapContent content = std::move(*built);
-  const auto kept = stores_->with_maps(
-      [&](MapStore& maps) { return maps.store_content(info.id, info.revision, content); });
-  if (!kept) return kept.error();
-  return content;
+  return built;
 }
 
 Result<void> MapLibrary::rebuild(GrowingMap& growing, const MapInfo& info) {

@@ -41,6 +41,13 @@ struct MapGrowthReport {
   std::uint64_t revision = 0;
 };
 
+/// What a floor map was made into.
+struct FloorMapReport {
+  bool created = false;  ///< The map did not exist before.
+  storage::MapInfo info;
+  std::vector<std::string> warnings;  ///< What the floor map's owner should know.
+};
+
 struct MapCacheUse {
   std::size_t maps = 0;
   std::size_t bytes = 0;
@@ -77,6 +84,22 @@ class MapLibrary {
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const RobotScan> scans);
 
+  /// Makes the map from a ROS floor map alone; a map made so before is made anew, in its frame and
+  /// with its parameters. kConflict for a map that holds scans.
+  [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
+                                                     std::span<const std::byte> image);
+
+  /// The whole map as one SQLite file.
+  [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
+  /// Makes a map of an archive, which anyone may have made: all of it is checked before anything is
+  /// stored. kConflict when there is a map of that name.
+  [[nodiscard]] Result<storage::MapInfo> restore(std::string_view name,
+                                                 std::span<const std::uint8_t> bytes);
+
+  /// The map's grid as it is to be shown: the floor map as it was put, or what scans made. Empty
+  /// when the map has neither.
+  [[nodiscard]] Result<OccupancyGrid> grid(const storage::MapInfo& info);
+
   /// Moves every key frame to the pose of its stamp (nearest within 1 ms). kInvalidArgument, with
   /// the stamps that are missing, when some have none.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
@@ -112,6 +135,10 @@ class MapLibrary {
                                                   std::span<const Scan> scans);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
+  [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);
+  [[nodiscard]] Result<MapContent> content_of_key_frames(GrowingMap& growing,
+                                                         const storage::MapInfo& info,
+                                                         const Progress& progress);
   [[nodiscard]] LocalizationMapPtr cached(const Key& key);
   void remember(const Key& key, const LocalizationMapPtr& map);
 

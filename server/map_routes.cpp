@@ -1,5 +1,6 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include <cornerfix/map_image.hpp>
 
@@ -22,6 +23,7 @@ api::MapEntry entry_of(const MapInfo& info) {
           .description = info.description,
           .revision = info.revision,
           .digest = info.digest,
+          .has_floor_map = info.has_floor_map,
           .key_frames = info.key_frame_count,
           .features = info.feature_count,
           .bounds = bounds,
@@ -38,6 +40,16 @@ Response invalid_map_name() {
                    .title = "Invalid argument",
                    .detail = "A map's name matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}.",
                    .errors = {{"/map", "not a valid name"}},
+                   .extra_json = {}});
+}
+
+Response incomplete_form(std::vector<api::FieldError> missing) {
+  return problem_response(
+      api::Problem{.status = 422,
+                   .code = "invalid_argument",
+                   .title = "Invalid argument",
+                   .detail = "Send the parts yaml and image: -F yaml=@MAP.yaml -F image=@MAP.pgm",
+                   .errors = std::move(missing),
                    .extra_json = {}});
 }
 
@@ -140,6 +152,49 @@ class MapRoutes {
     return document_response(request, 200, api::render_map(entry_of(*moved)));
   }
 
+  Response put_grid(const Request& request) {
+    const std::string& name = request.captures[0];
+    if (!api::is_valid_name(name)) return invalid_map_name();
+    std::vector<api::FieldError> missing;
+    for (const char* part : {"yaml", "image"}) {
+      if (!request.parts.contains(part)) missing.push_back({std::string("/") + part, "missing"});
+    }
+    if (!missing.empty()) return incomplete_form(std::move(missing));
+    const auto report = maps().put_floor_map(name, request.parts.at("yaml"),
+                                             std::as_bytes(std::span(request.parts.at("image"))));
+    if (!report) return error_response(request, report.error());
+    Response response =
+        document_response(request, report->created ? 201 : 200,
+                          api::render_floor_map({.revision = report->info.revision,
+                                                 .digest = report->info.digest,
+                                                 .features = report->info.feature_count,
+                                                 .warnings = report->warnings}));
+    if (report->created) response.headers.emplace_back("Location", "/v1/maps/" + name);
+    return response;
+  }
+
+  Response get_archive(const Request& request) {
+    const std::string& name = request.captures[0];
+    const auto bytes = maps().archive(name);
+    if (!bytes) return error_response(request, bytes.error());
+    Response response{.content_type = kArchiveType, .body = {bytes->begin(), bytes->end()}};
+    response.headers.emplace_back("Content-Disposition",
+                                  "attachment; filename=\"" + name + ".cornerfix\"");
+    return response;
+  }
+
+  Response post_archive(const Request& request) {
+    const std::string& name = request.captures[0];
+    if (!api::is_valid_name(name)) return invalid_map_name();
+    const auto bytes = std::as_bytes(std::span(request.body));
+    const auto info =
+        maps().restore(name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    if (!info) return error_response(request, info.error());
+    Response response = document_response(request, 201, api::render_map(entry_of(*info)));
+    response.headers.emplace_back("Location", "/v1/maps/" + name);
+    return response;
+  }
+
   Response features(const Request& request) {
     std::optional<Bounds> box;
     if (const auto text = request.parameter("bbox")) {
@@ -184,17 +239,18 @@ class MapRoutes {
 
  private:
   static Response no_grid() {
-    return problem_response(404, "not_found", "The map has no grid yet: it has no key frame.");
+    return problem_response(404, "not_found",
+                            "The map has no grid yet: it has neither key frames nor a floor map.");
   }
 
   template <typename Encode>
   Response grid_file(const Request& request, const char* content_type, Encode encode) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    const auto map = maps().load(*info);
-    if (!map) return error_response(request, map.error());
-    if ((*map)->grid().cells.empty()) return no_grid();
-    Response response{.content_type = content_type, .body = encode((*map)->grid())};
+    const auto grid = maps().grid(*info);
+    if (!grid) return error_response(request, grid.error());
+    if (grid->cells.empty()) return no_grid();
+    Response response{.content_type = content_type, .body = encode(*grid)};
     return with_entity_tag(request, std::move(response), *info, content_type);
   }
 
@@ -224,6 +280,9 @@ void add_map_routes(Router& router, const Services& services) {
   add("DELETE", "/v1/maps/{map}", Access::kAdmin, kIgnored, &MapRoutes::remove);
   add("POST", "/v1/maps/{map}/scans", Access::kAdmin, kDocument, &MapRoutes::post_scans);
   add("PUT", "/v1/maps/{map}/trajectory", Access::kAdmin, kDocument, &MapRoutes::put_trajectory);
+  add("PUT", "/v1/maps/{map}/grid", Access::kAdmin, kForm, &MapRoutes::put_grid);
+  add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive);
+  add("POST", "/v1/maps/{map}/archive", Access::kAdmin, kArchive, &MapRoutes::post_archive);
   add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features);
   add("GET", "/v1/maps/{map}/features/{id}/descriptor", Access::kRead, kIgnored,
       &MapRoutes::descriptor);

@@ -15,6 +15,9 @@ namespace cornerfix::server {
                                          const api::Json& document);
 /// `json` is a document's text, sent as it is unless another format was asked for.
 [[nodiscard]] Response text_response(const Request& request, int status, const std::string& json);
+/// Of a map's archive.
+inline constexpr const char* kArchiveType = "application/vnd.sqlite3";
+
 /// The problem for `error`. What the caller may not know goes to the log, by the request's id.
 [[nodiscard]] Response error_response(const Request& request, const Error& error);
 

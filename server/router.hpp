@@ -16,6 +16,8 @@ enum class BodyRule {
   kIgnored,           ///< Read and dropped: none is needed.
   kDocument,          ///< JSON, CBOR or MessagePack.
   kOptionalDocument,  ///< The same, or none, which is an empty object.
+  kArchive,           ///< Bytes of a map's archive.
+  kForm,              ///< multipart/form-data, in Request::parts.
 };
 
 struct Route {

@@ -24,6 +24,7 @@ constexpr std::size_t kSubmapScanKeySize = 12;
 // What deflate can expand to at most (zlib's technical notes), so that a small BLOB cannot claim a
 // huge grid.
 constexpr std::uint64_t kMaxInflation = 1032;
+constexpr std::uint64_t kMaxCells = 200'000'000;  // Twice what a map may have.
 
 // The values are stored: never renumber them.
 enum class Kind : std::uint8_t {
@@ -200,7 +201,7 @@ bool is_consistent(const DescriptorSet& set) {
 std::optional<std::vector<Cell>> inflate_cells(BlobView deflated, int width, int height) {
   if (width < 0 || height < 0) return std::nullopt;
   const std::uint64_t size = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  if (size > deflated.size() * kMaxInflation) return std::nullopt;
+  if (size > deflated.size() * kMaxInflation || size > kMaxCells) return std::nullopt;
   std::vector<Cell> cells(size);
   uLongf inflated_size = size;
   uLong consumed_size = deflated.size();
@@ -211,6 +212,15 @@ std::optional<std::vector<Cell>> inflate_cells(BlobView deflated, int width, int
   const bool known =
       std::all_of(cells.begin(), cells.end(), [](Cell cell) { return cell <= Cell::kUnknown; });
   return known ? std::optional(std::move(cells)) : std::nullopt;
+}
+
+constexpr std::size_t kGridHeaderSize = 4 * sizeof(double) + 8;
+
+void put_grid_header(Writer& writer, const OccupancyGrid& grid) {
+  writer.real(grid.resolution);
+  writer.pose(grid.T_map_grid);
+  writer.signed_integer(grid.width);
+  writer.signed_integer(grid.height);
 }
 
 void put_optional_stamp(Writer& writer, const std::optional<double>& stamp) {
@@ -337,6 +347,12 @@ Result<DescriptorSet> decode_descriptors(BlobView blob) {
   return set;
 }
 
+Blob encode_grid_header(const OccupancyGrid& grid) {
+  Writer writer(Kind::kGrid, kGridHeaderSize);
+  put_grid_header(writer, grid);
+  return std::move(writer).finish();
+}
+
 Blob encode_grid(const OccupancyGrid& grid) {
   assert(grid.cells.size() ==
              static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height) &&
@@ -349,11 +365,8 @@ Blob encode_grid(const OccupancyGrid& grid) {
                                  grid.cells.size(), Z_BEST_SPEED);
   if (status != Z_OK) throw std::bad_alloc();  // The only way left for zlib to fail.
 
-  Writer writer(Kind::kGrid, 4 * sizeof(double) + 8 + deflated_size);
-  writer.real(grid.resolution);
-  writer.pose(grid.T_map_grid);
-  writer.signed_integer(grid.width);
-  writer.signed_integer(grid.height);
+  Writer writer(Kind::kGrid, kGridHeaderSize + deflated_size);
+  put_grid_header(writer, grid);
   std::copy_n(deflated.data(), deflated_size, writer.extend(deflated_size));
   return std::move(writer).finish();
 }

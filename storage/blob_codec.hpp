@@ -33,6 +33,8 @@ using BlobView = std::span<const std::uint8_t>;
 
 [[nodiscard]] Blob encode_grid(const OccupancyGrid& grid);
 [[nodiscard]] Result<OccupancyGrid> decode_grid(BlobView blob);
+/// What encode_grid() writes before the cells, as a BLOB of its own: for hashing.
+[[nodiscard]] Blob encode_grid_header(const OccupancyGrid& grid);
 
 [[nodiscard]] Blob encode_submap_scan(const SubmapScan& scan);
 [[nodiscard]] Result<SubmapScan> decode_submap_scan(BlobView blob);

@@ -40,6 +40,12 @@ KeyFrameChain extend(const KeyFrameChain& chain, BlobView key_frame) {
   return sha256(chain, key_frame);
 }
 
+KeyFrameChain hash_of(const OccupancyGrid& floor_map) {
+  const Blob header = encode_grid_header(floor_map);
+  return sha256(header, BlobView(reinterpret_cast<const std::uint8_t*>(floor_map.cells.data()),
+                                 floor_map.cells.size()));
+}
+
 std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain, bool drifts) {
   constexpr std::array<std::uint8_t, 6> kDrifts = {'d', 'r', 'i', 'f', 't', 's'};
   const KeyFrameChain source = drifts ? extend(chain, kDrifts) : chain;

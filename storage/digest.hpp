@@ -18,6 +18,10 @@ using KeyFrameChain = std::array<std::uint8_t, 32>;
 /// The chain with one more key frame, given as the BLOB of encode_key_frame().
 [[nodiscard]] KeyFrameChain extend(const KeyFrameChain& chain, BlobView key_frame);
 
+/// What stands for the chain of a map that was made from a floor map: the SHA-256 of the grid's
+/// numbers and cells, however a BLOB packs them.
+[[nodiscard]] KeyFrameChain hash_of(const OccupancyGrid& floor_map);
+
 /// Hex digest of a map with these parameters (hashed as they are spelled) and key frames, which may
 /// stand at poses whose drift is yet to be taken away.
 [[nodiscard]] std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain,

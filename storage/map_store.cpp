@@ -21,8 +21,8 @@ struct MapRow {
 
 const std::string kSelectMap =
     "SELECT id, name, description, revision, digest, key_frame_count, feature_count, min_x, min_y, "
-    "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, drifts FROM "
-    "maps ";
+    "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, "
+    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts FROM maps ";
 
 void read_bounds(const Statement& row, MapInfo& info) {
   info.has_bounds = !row.is_null(7);
@@ -46,9 +46,10 @@ MapRow read_map(const Statement& row) {
   map.info.updated = row.text(12);
   map.info.lidar_json = row.text(13);
   map.info.parameters_json = row.text(14);
-  map.info.drifts = row.integer(16) != 0;
   const BlobView chain = row.blob(15);
   std::copy_n(chain.begin(), std::min(chain.size(), map.chain.size()), map.chain.begin());
+  map.info.has_floor_map = row.integer(16) != 0;
+  map.info.drifts = row.integer(17) != 0;
   return map;
 }
 
@@ -112,6 +113,18 @@ void update_map(Database& database, const MapRow& map) {
       .run();
 }
 
+Error made_from_floor_map() {
+  return Error{ErrorCode::kConflict,
+               "the map was made from a floor map and takes no scans; make another map of them",
+               "map"};
+}
+
+/// Whether the map has taken any scan, key frame or not.
+bool holds_scans(Database& database, std::int64_t map_id) {
+  Statement statement(database, "SELECT 1 FROM map_stamps WHERE map_id = ? LIMIT 1");
+  return statement.bind(map_id).step();
+}
+
 /// Puts `value` in place of `stored`; false when that changes nothing or there is no value.
 bool replace(std::string& stored, std::optional<std::string_view> value) {
   if (!value || stored == *value) return false;
@@ -133,6 +146,13 @@ void append_key_frames(Database& database, MapRow& map, std::span<const PosedSca
     map.chain = extend(map.chain, blob);
     ++map.info.key_frame_count;
   }
+}
+
+void insert_floor_map(Database& database, std::int64_t map_id, const OccupancyGrid& floor_map) {
+  const Blob blob = encode_grid(floor_map);
+  Statement(database, "INSERT OR REPLACE INTO map_grids (map_id, grid) VALUES (?, ?)")
+      .bind(map_id, BlobView(blob))
+      .run();
 }
 
 /// Writes all key frames anew, of which there are as many as before.
@@ -287,6 +307,7 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
     WriteTransaction transaction(*database_);
     Result<MapRow> map = find_at_revision(*database_, map_id, expected_revision);
     if (!map) return map.error();
+    if (map->info.has_floor_map) return made_from_floor_map();
     insert_stamps(*database_, map_id, growth.stamps);
     append_key_frames(*database_, *map, growth.new_key_frames);
     MapInfo& info = map->info;
@@ -315,6 +336,116 @@ Result<std::vector<PosedScan>> MapStore::key_frames(std::int64_t map_id) {
     const std::optional<MapRow> map = find_map(*database_, map_id);
     if (!map) return deleted_map();
     return read_key_frames(*database_, map->info);
+  });
+}
+
+Result<bool> MapStore::put_floor_map(std::string_view name, const FloorMap& floor_map,
+                                     std::string_view now) {
+  return guarded([&]() -> Result<bool> {
+    const KeyFrameChain hash = hash_of(floor_map.grid);
+    WriteTransaction transaction(*database_);
+    std::optional<MapRow> stored = find_map(*database_, name);
+    if (stored && (stored->info.key_frame_count > 0 || holds_scans(*database_, stored->info.id))) {
+      return Error{ErrorCode::kConflict,
+                   "the map is made of scans; delete it first, or give the floor map another name",
+                   "map"};
+    }
+    if (stored && stored->info.has_floor_map && stored->chain == hash) return false;
+    MapRow map = stored.value_or(MapRow{});
+    MapInfo& info = map.info;
+    info.name = name;
+    map.chain = hash;
+    info.feature_count = floor_map.feature_count;
+    info.has_bounds = true;
+    info.min_x = floor_map.min_x;
+    info.min_y = floor_map.min_y;
+    info.max_x = floor_map.max_x;
+    info.max_y = floor_map.max_y;
+    info.updated = now;
+    seal_revision(map);
+    if (!stored) {
+      info.created = now;
+      insert_map(*database_, map);
+      info.id = find_map(*database_, name)->info.id;
+    }
+    update_map(*database_, map);
+    insert_floor_map(*database_, info.id, floor_map.grid);
+    transaction.commit();
+    return !stored.has_value();
+  });
+}
+
+Result<MapArchive> MapStore::archive(std::string_view name) {
+  return guarded([&]() -> Result<MapArchive> {
+    ReadTransaction transaction(*database_);
+    const std::optional<MapRow> map = find_map(*database_, name);
+    if (!map) return unknown_map(name);
+    const MapInfo& info = map->info;
+    MapArchive archive{.description = info.description,
+                       .lidar_json = info.lidar_json,
+                       .parameters_json = info.parameters_json,
+                       .revision = info.revision,
+                       .digest = info.digest,
+                       .stamps = {},
+                       .key_frames = {},
+                       .drifts = info.drifts,
+                       .floor_map = {}};
+    Result<std::vector<PosedScan>> key_frames = read_key_frames(*database_, info);
+    if (!key_frames) return key_frames.error();
+    archive.key_frames = std::move(*key_frames);
+    Statement stamps(*database_, "SELECT stamp FROM map_stamps WHERE map_id = ? ORDER BY stamp");
+    for (stamps.bind(info.id); stamps.step();) archive.stamps.push_back(stamps.real(0));
+    if (info.has_floor_map) {
+      Result<OccupancyGrid> grid = floor_map(info.id);
+      if (!grid) return grid.error();
+      archive.floor_map = std::move(*grid);
+    }
+    return archive;
+  });
+}
+
+Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archive, MapInfo info,
+                                  std::string_view now) {
+  return guarded([&]() -> Result<MapInfo> {
+    WriteTransaction transaction(*database_);
+    if (find_map(*database_, name)) {
+      return Error{ErrorCode::kConflict,
+                   "there is a map named '" + std::string(name) +
+                       "'; delete it first, or restore under another name",
+                   "map"};
+    }
+    MapRow map{.info = std::move(info), .chain = {}};
+    map.info.name = name;
+    map.info.description = archive.description;
+    map.info.lidar_json = archive.lidar_json;
+    map.info.parameters_json = archive.parameters_json;
+    map.info.revision = archive.revision;
+    map.info.drifts = archive.drifts;
+    map.info.key_frame_count = 0;
+    map.info.created = map.info.updated = now;
+    insert_map(*database_, map);
+    map.info.id = find_map(*database_, name)->info.id;
+    insert_stamps(*database_, map.info.id, archive.stamps);
+    append_key_frames(*database_, map, archive.key_frames);
+    if (archive.floor_map) {
+      map.info.has_floor_map = true;
+      map.chain = hash_of(*archive.floor_map);
+      insert_floor_map(*database_, map.info.id, *archive.floor_map);
+    }
+    map.info.digest = map_digest(archive.parameters_json, map.chain, archive.drifts);
+    update_map(*database_, map);
+    transaction.commit();
+    return std::move(map.info);
+  });
+}
+
+Result<OccupancyGrid> MapStore::floor_map(std::int64_t map_id) {
+  return guarded([&]() -> Result<OccupancyGrid> {
+    Statement statement(*database_, "SELECT grid FROM map_grids WHERE map_id = ?");
+    if (!statement.bind(map_id).step()) {
+      return Error{ErrorCode::kNotFound, "the map was not made from a floor map", "map"};
+    }
+    return decode_grid(statement.blob(0));
   });
 }
 

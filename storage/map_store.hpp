@@ -17,6 +17,8 @@
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
 
+#include "storage/map_archive.hpp"
+
 namespace cornerfix::storage {
 
 class Database;
@@ -31,7 +33,8 @@ struct MapInfo {
                        ///< names and dates.
   std::size_t key_frame_count = 0;
   std::size_t feature_count = 0;
-  bool has_bounds = false;  ///< False for a map without key frames and grid.
+  bool has_floor_map = false;  ///< It was made from a floor map, not from scans.
+  bool has_bounds = false;     ///< False for a map without key frames and grid.
   double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< [m]
   std::string created;                                        ///< RFC 3339, UTC.
   std::string updated;
@@ -48,6 +51,13 @@ struct MapGrowth {
   std::size_t feature_count = 0;                              ///< After the growth.
   double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds after the growth [m].
   bool drifts = false;  ///< The poses are those of lidar odometry, as MapInfo::drifts.
+};
+
+/// What PUT …/grid makes a map of, in one transaction.
+struct FloorMap {
+  const OccupancyGrid& grid;  ///< As drawn.
+  std::size_t feature_count = 0;
+  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds of the grid [m].
 };
 
 /// Derived content as stored, with the revision it was made from.
@@ -79,11 +89,26 @@ class MapStore {
   [[nodiscard]] Result<std::vector<bool>> known_stamps(std::int64_t map_id,
                                                        std::span<const double> stamps);
   /// Adds to the map if it is still at `expected_revision` (else kConflict); returns the new entry.
-  /// A stamp that the map already holds is kConflict too. Stamps without a key frame change no
-  /// content, so the revision stays.
+  /// A stamp that the map already holds is kConflict too, and so is a map that was made from a
+  /// floor map. Stamps without a key frame change no content, so the revision stays.
   [[nodiscard]] Result<MapInfo> grow(std::int64_t map_id, std::uint64_t expected_revision,
                                      const MapGrowth& growth, std::string_view now);
   [[nodiscard]] Result<std::vector<PosedScan>> key_frames(std::int64_t map_id);
+
+  /// Makes a map (true) of a floor map, or puts the floor map in place of the one that a map was
+  /// made from (false). kConflict, and nothing changes, for a map that holds scans. The revision
+  /// stays when it is the same floor map.
+  [[nodiscard]] Result<bool> put_floor_map(std::string_view name, const FloorMap& floor_map,
+                                           std::string_view now);
+  /// The map's whole source, in one snapshot.
+  [[nodiscard]] Result<MapArchive> archive(std::string_view name);
+  /// Makes a map of an archive, at its revision. kConflict when there is a map of that name. `info`
+  /// gives feature_count and bounds; its other members are the archive's.
+  [[nodiscard]] Result<MapInfo> restore(std::string_view name, const MapArchive& archive,
+                                        MapInfo info, std::string_view now);
+
+  /// The floor map as it was put; kNotFound for a map that was not made from one.
+  [[nodiscard]] Result<OccupancyGrid> floor_map(std::int64_t map_id);
   /// New poses for all key frames, in their order; derived content becomes stale and the bounds are
   /// those of the moved lasers and their returns. The map no longer drifts. The revision stays when
   /// nothing differs.

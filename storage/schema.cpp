@@ -80,11 +80,20 @@ CREATE TABLE submap_scans (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
+// The source of a map that was made from a floor map instead of scans.
+constexpr const char* kCreateMapGrids = R"sql(
+CREATE TABLE map_grids (
+  map_id INTEGER PRIMARY KEY REFERENCES maps (id) ON DELETE CASCADE,
+  grid   BLOB    NOT NULL
+) STRICT;
+)sql";
+
+// Whether the key frames stand where lidar odometry put them.
 constexpr const char* kAddDrift = R"sql(
 ALTER TABLE maps ADD COLUMN drifts INTEGER NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array<const char*, 2> kMigrations = {kCreateTables, kAddDrift};
+constexpr std::array<const char*, 3> kMigrations = {kCreateTables, kCreateMapGrids, kAddDrift};
 
 }  // namespace
 

@@ -50,8 +50,11 @@ forbid(FILES server/localization_service.* PATTERN "${include}(nlohmann|simdjson
   REASON "the use cases know no HTTP, JSON or SQL")
 
 # One door for each third-party header.
-forbid(FILES ${all} EXCEPT "^storage/database" PATTERN "${include}sqlite3" REASON "sqlite3.h is for storage/database.cpp")
-forbid(FILES ${all} EXCEPT "^storage/" PATTERN "${include}SQLiteCpp" REASON "SQLiteCpp is for storage")
+forbid(FILES ${all} EXCEPT "^storage/database" PATTERN "${include}sqlite3" REASON "sqlite3.h is for storage/database*.cpp")
+forbid(FILES ${all} EXCEPT "^(storage/|cli/bag/sqlite_bag\\.cpp$)" PATTERN "${include}SQLiteCpp"
+  REASON "SQLiteCpp is for storage, and for bags that are SQLite files")
+forbid(FILES ${all} EXCEPT "^cli/bag/decompress\\.cpp$" PATTERN "${include}(bzlib|lz4frame|zstd)\\.h"
+  REASON "bz2, lz4 and zstd are for cli/bag/decompress.cpp")
 forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httplib"
   REASON "httplib.h is for sources of server and cli, never for a header")
 forbid(FILES ${all} EXCEPT "^core/src/" PATTERN "${include}opencv2" REASON "OpenCV is for core's sources")

@@ -50,7 +50,7 @@ export async function mapFeatures(name) {
   return (await (await get(`${mapPath(name)}/features`)).json()).features;
 }
 
-// The grid as a png, its cell size and where its lower left corner lies [m].
+// The grid as a png, its cell size [m], and where its lower left corner lies and how it is turned.
 export async function mapGrid(name) {
   const [image, yaml] = await Promise.all([get(`${mapPath(name)}/grid.png`, { accept: 'image/png' }),
     get(`${mapPath(name)}/grid.yaml`, { accept: '*/*' })]);
@@ -61,7 +61,7 @@ export async function mapGrid(name) {
 function parseGridYaml(text) {
   const value = (key) => text.match(new RegExp(`^${key}:\\s*(.+)$`, 'm'))?.[1] ?? '';
   const origin = value('origin').replace(/[[\]]/g, '').split(',').map(Number);
-  return { resolution: Number(value('resolution')), origin: { x: origin[0], y: origin[1] } };
+  return { resolution: Number(value('resolution')), origin: { x: origin[0], y: origin[1], yaw: origin[2] } };
 }
 
 // Calls back with each event of a stream named "answer" (Server-Sent Events).

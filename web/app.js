@@ -2,6 +2,7 @@
 import * as api from './api_client.js';
 import { MapView } from './map_view.js';
 import { linkTo, showMaps, showSession, showSessions } from './panels.js';
+import { uprightGrid } from './upright_grid.js';
 
 const REFRESH_MS = 2000;
 const MAX_PATH_POINTS = 5000;
@@ -160,7 +161,7 @@ class Inspector {
     const bitmap = await createImageBitmap(grid.image);
     const { width, height } = bitmap;
     bitmap.close();
-    return { ...grid, width, height };
+    return grid.origin.yaw === 0 ? { ...grid, width, height } : uprightGrid(grid);
   }
 
   async #drawFeatures() {

@@ -40,11 +40,12 @@ std::optional<CornerExtractor> corner_extractor_from_string(std::string_view nam
   return std::nullopt;
 }
 
-std::vector<Feature> extract_corners(const LaserScan& scan, CornerExtractor extractor) {
+std::vector<Feature> extract_corners(const LaserScan& scan, CornerExtractor extractor,
+                                     double min_noise_m) {
   if (extractor == CornerExtractor::kVfp)
     return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
   std::vector<Feature> features;
-  for (const Corner& corner : extract_two_arm_corners(scan, {}))
+  for (const Corner& corner : extract_two_arm_corners(scan, {.min_noise_m = min_noise_m}))
     features.push_back(feature_of(corner));
   return features;
 }

@@ -118,16 +118,16 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
 
 namespace {
 
-/// The logistic: offset + slope * sqrt(gap).
+/// The logistic: offset + slope * gap.
 struct GapLogistic {
   double offset = 0.0;
   double slope = 0.0;
 };
 
 GapLogistic gap_logistic(const EvidenceScore& best) {
-  const double offset =
-      -8.943 - 1.175 * std::log(best.contradicted + 0.02) + 3.209 * std::log(1.02 - best.unmapped);
-  return {offset, 1.029 + 3.637 / std::sqrt(best.ends)};
+  const double offset = -18.488 - 0.781 * std::log(best.contradicted + 0.02) +
+                        4.930 * std::log(1.02 - best.unmapped) + 3.102 * std::log(best.ends);
+  return {offset, 17.588 / best.ends};
 }
 
 }  // namespace
@@ -135,14 +135,14 @@ GapLogistic gap_logistic(const EvidenceScore& best) {
 double probability_right(const EvidenceScore& best, double gap) {
   if (best.ends == 0 || gap <= 0.0) return 0.0;
   const GapLogistic logistic = gap_logistic(best);
-  return 1.0 / (1.0 + std::exp(-logistic.offset - logistic.slope * std::sqrt(gap)));
+  return 1.0 / (1.0 + std::exp(-logistic.offset - logistic.slope * gap));
 }
 
 double gap_for(const EvidenceScore& best, double probability) {
+  if (best.ends == 0) return 0.0;
   const GapLogistic logistic = gap_logistic(best);
   const double odds = std::log(probability / (1.0 - probability));
-  const double root = std::max(0.0, (odds - logistic.offset) / logistic.slope);
-  return root * root;
+  return std::max(0.0, (odds - logistic.offset) / logistic.slope);
 }
 
 }  // namespace cornerfix

@@ -1,11 +1,11 @@
 #include <cornerfix/localizer.hpp>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
 
+#include "pose_tracker.hpp"
 #include "scan_motion.hpp"
 #include "thinned.hpp"
 
@@ -24,16 +24,15 @@ constexpr double kDistinctDistance = 1.0;  // places nearer than this and
 constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
 constexpr std::size_t kRefinePoints = 200;
 constexpr double kRivalMargin =
-    0.5;  // mean log-likelihood below the best at which a rival cannot matter [nat]
-constexpr double kSearchSlack = 0.05;     // by which the search may misjudge a place [nat]
+    0.75;  // mean log-likelihood below the best at which a rival cannot matter [nat]
+constexpr double kSeedMargin = 0.15;   // the same when there will be no fix now: what may win later
+constexpr double kSearchSlack = 0.05;  // by which the search may misjudge a place [nat]
 constexpr double kMinRivalWeight = -0.5;  // below this a place is no candidate at all
 
-// Tracking.
-constexpr double kMinFitShare = 0.35;
-constexpr double kMaxContradictedShare = 0.4;
-constexpr double kMaxMisfitWay =
-    1.5;  // driven while the scans do not fit, until the pose is taken back [m]
-constexpr int kMaxMisfits = 20;  // or so many scans, when standing
+// Taking a pose back.
+constexpr double kMaxMisfitWay = 1.5;  // driven while the scans do not fit [m],
+constexpr int kMinMisfits = 2;         // as told by so many scans at least;
+constexpr int kMaxMisfits = 20;        // or so many scans, when standing
 
 struct Candidate {
   std::size_t map = 0;
@@ -143,8 +142,7 @@ struct Localizer::Impl {
   double confidence = 0.0;
 
   std::optional<Candidate> fix;  ///< While localized.
-  Eigen::Matrix3d fix_information = Eigen::Matrix3d::Zero();
-  std::optional<double> usual_fit;  ///< Share of a scan's ends on mapped ground that are on walls.
+  PoseTracker tracker;           ///< Of the fix.
   double misfit_way_m = 0.0;
   int misfits = 0;
 
@@ -171,11 +169,11 @@ struct Localizer::Impl {
 
     if (fix) {
       const double track_begin = now();
-      track(points, news);
+      track(robot_scan, points, news);
       times.track_ms = now() - track_begin;
     } else if (news) {
       search(times);
-      if (fix) track(points, false);
+      if (fix) track(robot_scan, points, false);
     } else if (submap.empty()) {
       reason = Reason::kNoReturns;
     } else if (still_scans >= kMaxStillScans && status == Status::kCollecting) {
@@ -211,7 +209,10 @@ struct Localizer::Impl {
     last_motion = inverse(before) * now_at;
     const double step = distance(before, now_at);
     way_m += step;
-    if (fix) misfit_way_m += step;
+    if (fix) {
+      misfit_way_m += step;
+      tracker.predict(last_motion, stray_scans == 0);
+    }
   }
 
   bool belongs_to_submap(double matched_share) {
@@ -227,7 +228,6 @@ struct Localizer::Impl {
     last_motion = {};
     stray_scans = 0;
     usual_share.reset();
-    usual_fit.reset();
     searched_ends = 0;
     candidates.clear();
     confidence = 0.0;
@@ -264,10 +264,7 @@ struct Localizer::Impl {
     const View seen = view();
     judge(seen, found);
     if (search_due()) {
-      rival_margin = margin_to_look_at();
-      found = std::move(candidates);
-      add_places(seen, found);
-      judge(seen, found);
+      add_places(seen);
       searched = true;
       searched_ends = submap.evidence().ends.size();
       searched_way_m = way_m;
@@ -318,30 +315,41 @@ struct Localizer::Impl {
     return searched_ends == 0 || growth >= 1.6 || way_m - searched_way_m >= 3.0;
   }
 
-  /// How far below the best candidate, a beam end, a place may lie and still matter.
+  /// Gap at which the best candidate would be a fix.
+  [[nodiscard]] double needed_gap(double probability) const {
+    const EvidenceScore& best = candidates.front().score;
+    return std::max({gap_for(best, probability), params.acceptance.min_gap,
+                     params.acceptance.min_mean_gap * best.ends});
+  }
+
+  /// How far below the best candidate, a beam end, a place may lie and still matter. Who asks for
+  /// an endless gap wants to know all.
   [[nodiscard]] double margin_to_look_at() const {
     constexpr double kMoreThanSure = 0.998;
     if (candidates.empty()) return kRivalMargin;
-    const EvidenceScore& best = candidates.front().score;
-    const double gap = std::max(gap_for(best, kMoreThanSure), params.acceptance.min_gap);
-    return std::min(kRivalMargin, gap / std::max(1, best.ends));
+    const double needed = needed_gap(kMoreThanSure) / std::max(1, candidates.front().score.ends);
+    if (std::isfinite(needed) && !may_be_fix()) return kSeedMargin;
+    return std::min(kRivalMargin, needed);
   }
 
-  /// Every place of every map that comes near the best candidate.
-  void add_places(const View& view, std::vector<Candidate>& found) const {
-    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
+  /// Whether the best candidate would be a fix if there were no other places than those known.
+  [[nodiscard]] bool may_be_fix() const { return acceptable(gap_to_known(kRivalMargin)); }
+
+  /// Looks in all maps for places that come near the best candidate, and which nears the best of
+  /// them.
+  void add_places(const View& view) {
     // What no map may fall far below, from one map to the next.
-    double best_mean = kMinRivalWeight + rival_margin;
-    PlaceSearchParams search{.max_mean_gap = rival_margin};
-    for (const Candidate& candidate : found) {
+    double best_mean = kMinRivalWeight + kRivalMargin;
+    for (const Candidate& candidate : candidates)
       best_mean = std::max(best_mean, optimistic_mean(view, candidate));
-    }
     for (std::size_t map = 0; map < maps.size(); ++map) {
-      search.min_mean_weight = best_mean - rival_margin;
-      for (const Place& place :
-           maps[map]->place_search().find(view.evidence.ends, view.way, search)) {
-        found.push_back({map, place.T_map_base_link * T_base_link_submap, 0, 0, {}});
-        best_mean = std::max(best_mean, place.mean_weight);
+      PlaceSearch::Run run(maps[map]->place_search(), view.evidence.ends, view.way, {});
+      for (std::size_t places = 0; places < kMaxCandidates; ++places) {
+        rival_margin = margin_to_look_at();
+        const std::optional<Place> place = run.next(best_mean - rival_margin);
+        if (!place) break;
+        best_mean = std::max(best_mean, place->mean_weight);
+        consider(view, {map, place->T_map_base_link * inverse(T_submap_base_link), 0, 0, {}});
       }
     }
   }
@@ -381,29 +389,35 @@ struct Localizer::Impl {
   }
 
   /// Refines and scores, keeps the best of each place, best first.
-  void judge(const View& view, std::vector<Candidate>& found) {
-    const Pose2 T_base_link_submap = inverse(T_submap_base_link);
-    for (Candidate& candidate : found) {
-      const LocalizationMap& map = *maps[candidate.map];
-      const Pose2 T_map_base_link = refined(map, view, candidate.T_map_submap * T_submap_base_link);
-      candidate.T_map_submap = T_map_base_link * T_base_link_submap;
-      candidate.score = score_evidence(map.classes(), view.evidence, T_map_base_link);
-    }
-    std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-      return a.score.fit > b.score.fit;
-    });
+  void judge(const View& view, const std::vector<Candidate>& found) {
     candidates.clear();
-    for (const Candidate& candidate : found) {
-      const double least = found.front().score.fit - kRivalMargin * found.front().score.ends;
-      if (candidates.size() == kMaxCandidates || candidate.score.fit < least) break;
-      Candidate* same = find_same_place(candidate);
-      if (same == nullptr) {
-        candidates.push_back(candidate);
+    for (const Candidate& candidate : found) consider(view, candidate);
+  }
+
+  void consider(const View& view, Candidate candidate) {
+    const LocalizationMap& map = *maps[candidate.map];
+    const Pose2 T_map_base_link = refined(map, view, candidate.T_map_submap * T_submap_base_link);
+    candidate.T_map_submap = T_map_base_link * inverse(T_submap_base_link);
+    candidate.score = score_evidence(map.classes(), view.evidence, T_map_base_link);
+    if (Candidate* same = find_same_place(candidate)) {
+      candidate.votes = std::max(same->votes, candidate.votes);
+      candidate.inliers = std::max(same->inliers, candidate.inliers);
+      if (same->score.fit > candidate.score.fit) {
+        same->votes = candidate.votes;
+        same->inliers = candidate.inliers;
       } else {
-        same->votes = std::max(same->votes, candidate.votes);
-        same->inliers = std::max(same->inliers, candidate.inliers);
+        *same = candidate;
       }
+    } else {
+      candidates.push_back(candidate);
     }
+    std::stable_sort(
+        candidates.begin(), candidates.end(),
+        [](const Candidate& a, const Candidate& b) { return a.score.fit > b.score.fit; });
+    const double least =
+        candidates.front().score.fit - kRivalMargin * candidates.front().score.ends;
+    std::erase_if(candidates, [least](const Candidate& c) { return c.score.fit < least; });
+    if (candidates.size() > kMaxCandidates) candidates.resize(kMaxCandidates);
   }
 
   Candidate* find_same_place(const Candidate& candidate) {
@@ -418,11 +432,14 @@ struct Localizer::Impl {
     return nullptr;
   }
 
-  /// Log-likelihood of the best candidate less that of the best other place, at most what a search
-  /// would have found.
-  [[nodiscard]] double gap() const {
+  /// Log-likelihood of the best candidate less that of the best other place, at most what the last
+  /// search would have found.
+  [[nodiscard]] double gap() const { return gap_to_known(rival_margin); }
+
+  /// The same if all places within `margin`, a beam end, are known.
+  [[nodiscard]] double gap_to_known(double margin) const {
     const double best = candidates.front().score.log_likelihood;
-    double gap = gap_without_rivals(rival_margin);
+    double gap = gap_without_rivals(margin);
     for (std::size_t i = 1; i < candidates.size(); ++i)
       gap = std::min(gap, best - candidates[i].score.log_likelihood);
     return gap;
@@ -459,7 +476,7 @@ struct Localizer::Impl {
       }
       status = Status::kLocalized;
       reason = Reason::kNone;
-      fix = candidates.front();
+      begin_tracking(candidates.front());
       misfits = 0;
       misfit_way_m = 0.0;
       return;
@@ -483,58 +500,32 @@ struct Localizer::Impl {
   // --- tracking
   // ---------------------------------------------------------------------------------------------------
 
-  /// Lays the scan on the map from where the submap says it is; takes the pose back when it stays
-  /// off the walls.
-  void track(const std::vector<Point2>& points, bool news) {
+  void begin_tracking(const Candidate& candidate) {
+    fix = candidate;
+    tracker = PoseTracker(candidate.T_map_submap * T_submap_base_link);
+  }
+
+  /// Corrects the pose by the scan; takes it back when scans stay off the walls.
+  void track(const RobotScan& robot_scan, const std::vector<Point2>& points, bool news) {
     const LocalizationMap& map = *maps[fix->map];
-    const Pose2 predicted = fix->T_map_submap * T_submap_base_link;
-    if (points.empty()) {
-      miss(Reason::kNoReturns);
-      return;
-    }
-    const PosePrior prior{predicted, 0.05, 0.02};
-    const RefinedPose refined =
-        refine_pose(map.field(), points, predicted, {.kernel_m = 0.15, .max_iterations = 8}, prior);
-    const EvidenceScore fit =
-        score_evidence(map.classes(), {points, {}}, refined.T_frame_base_link);
-    if (fit.matched >= kMinFitShare) {
-      fix->T_map_submap = refined.T_frame_base_link * inverse(T_submap_base_link);
-      fix_information = refined.information;
-    }
+    const TrackingVerdict verdict =
+        tracker.update(map, points, robot_scan.T_base_link_laser.translation());
+    fix->T_map_submap = tracker.T_map_base_link() * inverse(T_submap_base_link);
     if (news) fix->score = score_evidence(map.classes(), submap.evidence(), fix->T_map_submap);
-    const double matched_of_mapped = fit.matched / std::max(0.2, 1.0 - fit.unmapped);
-    const double usual = usual_fit.value_or(matched_of_mapped);
-    const bool fits = fit.matched >= kMinFitShare && fit.contradicted <= kMaxContradictedShare &&
-                      matched_of_mapped >= kMinUsualShare * usual;
-    if (!fits) {
-      miss(Reason::kContradicted);
+    if (verdict != TrackingVerdict::kFits) {
+      miss(verdict == TrackingVerdict::kNoReturns ? Reason::kNoReturns : Reason::kContradicted);
       return;
     }
-    usual_fit = usual + kUsualGain * (matched_of_mapped - usual);
     misfits = 0;
     misfit_way_m = 0.0;
   }
 
   /// A scan that does not confirm the pose; too many in a row take it back.
   void miss(Reason why) {
-    if (misfit_way_m <= kMaxMisfitWay && ++misfits <= kMaxMisfits) return;
+    ++misfits;
+    if (misfits <= kMaxMisfits && (misfit_way_m <= kMaxMisfitWay || misfits < kMinMisfits)) return;
     restart_submap();
     reason = why;
-  }
-
-  [[nodiscard]] std::array<double, 9> covariance() const {
-    // What the map itself may be off by, and no less certain than a metre and half a radian in a
-    // blind direction.
-    const Eigen::Vector3d least_information{1.0, 1.0, 4.0};
-    const Eigen::Vector3d map_variance{4e-4, 4e-4, 1e-5};
-    Eigen::Matrix3d information = fix_information;
-    information.diagonal() += least_information;
-    Eigen::Matrix3d covariance = information.inverse();
-    covariance.diagonal() += map_variance;
-    std::array<double, 9> row_major{};
-    std::copy_n(covariance.data(), 9,
-                row_major.begin());  // symmetric, so the order does not matter
-    return row_major;
   }
 
   // --- answer
@@ -547,9 +538,12 @@ struct Localizer::Impl {
     answer.confidence = confidence;
     answer.searched = searched;
     if (fix) {
-      answer.pose =
-          LocalizedPose{maps[fix->map], fix->T_map_submap * T_submap_base_link, covariance()};
+      LocalizedPose pose{maps[fix->map], tracker.T_map_base_link(), {}};
+      const Eigen::Matrix3d covariance = tracker.covariance();
+      std::copy_n(covariance.data(), 9, pose.covariance.begin());  // symmetric: any order will do
+      answer.pose = pose;
       answer.hypotheses.push_back(ranked(*fix));
+      answer.hypotheses.front().T_map_base_link = pose.T_map_base_link;
     } else {
       for (const Candidate& candidate : candidates) answer.hypotheses.push_back(ranked(candidate));
     }
@@ -626,7 +620,7 @@ void Localizer::restore(LocalizerState state) {
     Candidate fix{static_cast<std::size_t>(state.tracked_map), state.T_map_submap, 0, 0, {}};
     fix.score =
         score_evidence(impl_->maps[fix.map]->classes(), impl_->submap.evidence(), fix.T_map_submap);
-    impl_->fix = fix;
+    impl_->begin_tracking(fix);
   } else if (impl_->status == Status::kLocalized) {
     impl_->status = Status::kCollecting;
     impl_->reason = Reason::kNoMatch;

@@ -98,7 +98,7 @@ std::optional<FoundPlace> find_place(const DriveSubmap& submap, const SubmapMosa
 
 std::optional<PoseRelation> relate(std::span<const Point2> points_from, const DriveSubmap& submap,
                                    const Pose2& T_submap_from) {
-  const PosePrior prior{T_submap_from, 0.3, 0.1};
+  const PosePrior prior = isotropic_prior(T_submap_from, 0.3, 0.1);
   const RefinedPose coarse = refine_pose(submap.field, points_from, T_submap_from,
                                          {.kernel_m = 0.3, .max_iterations = 6}, prior);
   const RefinedPose fine = refine_pose(submap.field, points_from, coarse.T_frame_base_link,

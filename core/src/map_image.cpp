@@ -467,24 +467,52 @@ std::string to_text(double value) {
   return {buffer.data(), result.ptr};
 }
 
+/// How much of the border of free space, but for that of the image, is wall.
+double walled_share(const OccupancyGrid& grid) {
+  std::size_t walls = 0;
+  std::size_t border = 0;
+  for (int row = 0; row < grid.height; ++row) {
+    for (int column = 0; column < grid.width; ++column) {
+      if (grid.at({column, row}) != Cell::kFree) continue;
+      for (const CellIndex next : {CellIndex{column + 1, row}, CellIndex{column - 1, row},
+                                   CellIndex{column, row + 1}, CellIndex{column, row - 1}}) {
+        if (!grid.contains(next) || grid.at(next) == Cell::kFree) continue;
+        ++border;
+        walls += grid.at(next) == Cell::kOccupied ? 1 : 0;
+      }
+    }
+  }
+  return border == 0 ? 1.0 : static_cast<double>(walls) / static_cast<double>(border);
+}
+
+std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
 }  // namespace
 
-Result<OccupancyGrid> read_map_files(const std::filesystem::path& yaml_path,
-                                     const MapImageLimits& limits) {
-  const Result<std::string> text = read_file(yaml_path, kMaxYamlBytes);
+Result<MapFiles> load_map_files(const std::filesystem::path& yaml_path,
+                                const MapImageLimits& limits) {
+  Result<std::string> text = read_file(yaml_path, kMaxYamlBytes);
   if (!text) return text.error();
   const Result<MapYaml> yaml = parse_map_yaml(*text);
   if (!yaml) {
     return Error{yaml.error().code, yaml.error().field + ": " + yaml.error().message,
                  yaml_path.string()};
   }
-  const std::filesystem::path image_path = yaml_path.parent_path() / yaml->image;
+  std::filesystem::path image_path = yaml_path.parent_path() / yaml->image;
   // A plain pgm takes at most six bytes a pixel, beside its header.
   const auto max_bytes = static_cast<std::uintmax_t>(limits.max_cells) * 6 + kMaxYamlBytes;
-  const Result<std::string> image = read_file(image_path, max_bytes);
+  Result<std::string> image = read_file(image_path, max_bytes);
   if (!image) return image.error();
-  Result<OccupancyGrid> grid = parse_image(*yaml, std::as_bytes(std::span(*image)), limits);
-  if (!grid) return Error{grid.error().code, grid.error().message, image_path.string()};
+  return MapFiles{std::move(*text), std::move(image_path), std::move(*image)};
+}
+
+Result<OccupancyGrid> read_map_files(const std::filesystem::path& yaml_path,
+                                     const MapImageLimits& limits) {
+  const Result<MapFiles> files = load_map_files(yaml_path, limits);
+  if (!files) return files.error();
+  Result<OccupancyGrid> grid =
+      parse_map(files->yaml, std::as_bytes(std::span(files->image)), limits);
+  if (!grid) return Error{grid.error().code, grid.error().message, files->image_path.string()};
   return grid;
 }
 
@@ -493,6 +521,31 @@ Result<OccupancyGrid> parse_map(std::string_view yaml, std::span<const std::byte
   const Result<MapYaml> parsed = parse_map_yaml(yaml);
   if (!parsed) return parsed.error();
   return parse_image(*parsed, image, limits);
+}
+
+std::optional<std::string> threshold_advice(std::string_view yaml, std::span<const std::byte> image,
+                                            const MapImageLimits& limits) {
+  constexpr double kFewWalls = 0.2;
+  constexpr double kEnoughWalls = 0.5;
+  const Result<MapYaml> parsed = parse_map_yaml(yaml);
+  if (!parsed) return std::nullopt;
+  const Result<OccupancyGrid> grid = parse_image(*parsed, image, limits);
+  if (!grid) return std::nullopt;
+  const double walled = walled_share(*grid);
+  if (walled >= kFewWalls) return std::nullopt;
+  std::string advice = "at occupied_thresh " + to_text(parsed->occupied_thresh) + " only " +
+                       percent(walled) + " of the border of free space is wall";
+  for (const double threshold : {0.5, 0.4, 0.3, 0.2}) {
+    MapYaml other = *parsed;
+    if (threshold >= other.occupied_thresh) continue;
+    other.occupied_thresh = threshold;
+    other.free_thresh = std::min(other.free_thresh, threshold);
+    const Result<OccupancyGrid> fitting = parse_image(other, image, limits);
+    if (!fitting || walled_share(*fitting) < kEnoughWalls) continue;
+    return advice + "; occupied_thresh " + to_text(threshold) + " would make it " +
+           percent(walled_share(*fitting));
+  }
+  return advice;
 }
 
 std::vector<std::byte> encode_grid_png(const OccupancyGrid& grid) {

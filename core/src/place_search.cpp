@@ -21,6 +21,10 @@ constexpr double kLowestWeight = -1.25;  // [nat], quantised as 0
 constexpr double kStepsPerNat =
     18.5;  // the best weight, 0.41, is 31: kGroup times that is under 256
 constexpr int kHighestValue = 31;
+constexpr int kTopLevel = 2;
+constexpr int kTopBlock = 1 << kTopLevel;
+constexpr std::size_t kCoarsePoints = 40;  // by which the top blocks are judged
+constexpr double kCoarseSlack = 0.03;      // and by how much they may misjudge all points [nat]
 constexpr std::uint8_t kWayFree = 18;
 constexpr std::uint8_t kWayUnknown = 12;
 constexpr std::uint8_t kWayBlocked = 0;
@@ -83,16 +87,17 @@ class PlaceSearch::Frontier {
     by_bound_[static_cast<std::size_t>(node.bound)].push_back(node);
     top_ = std::max(top_, node.bound);
   }
-  /// Nothing when no block reaches `threshold`.
-  std::optional<Node> pop(int threshold) {
-    for (; top_ >= std::max(0, threshold); --top_) {
-      std::vector<Node>& nodes = by_bound_[static_cast<std::size_t>(top_)];
-      if (nodes.empty()) continue;
-      const Node node = nodes.back();
-      nodes.pop_back();
-      return node;
-    }
-    return std::nullopt;
+  /// The highest bound of all, or -1.
+  [[nodiscard]] int top() {
+    while (top_ >= 0 && by_bound_[static_cast<std::size_t>(top_)].empty()) --top_;
+    return top_;
+  }
+  /// Not when it is empty.
+  Node pop() {
+    std::vector<Node>& nodes = by_bound_[static_cast<std::size_t>(top())];
+    const Node node = nodes.back();
+    nodes.pop_back();
+    return node;
   }
 
  private:
@@ -125,13 +130,9 @@ struct PlaceSearch::Query {
   std::vector<CellOffset> way_offsets;
   std::vector<std::int32_t> end_indices;  ///< The same as distances in the fields.
   std::vector<std::int32_t> way_indices;
-  int threshold = 0;
-
+  std::vector<CellOffset> robot_offsets;  ///< Of base_link, which must be in known-free space.
   [[nodiscard]] std::span<const CellOffset> ends(std::size_t rotation) const {
     return std::span(end_offsets).subspan(rotation * end_count, end_count);
-  }
-  [[nodiscard]] std::span<const CellOffset> way(std::size_t rotation) const {
-    return std::span(way_offsets).subspan(rotation * way_count, way_count);
   }
   [[nodiscard]] std::span<const std::int32_t> end_index(std::size_t rotation) const {
     return std::span(end_indices).subspan(rotation * end_count, end_count);
@@ -206,22 +207,19 @@ PlaceSearch::PlaceSearch(const ClassField& classes) : T_map_grid_(inverse(classe
   cell_m_ = fine_per_cell * classes.resolution();
   inner_width_ = (classes.width() + fine_per_cell - 1) / fine_per_cell;
   inner_height_ = (classes.height() + fine_per_cell - 1) / fine_per_cell;
-  // Small blocks bound well and are cheap as long as there are few of them.
-  constexpr double kManyCells = 400.0 * 400.0;
-  top_level_ = static_cast<double>(inner_width_) * inner_height_ > kManyCells ? 3 : 2;
-  const int block = 1 << top_level_;
-  const auto rounded_up = [block](int cells) { return (cells + block - 1) / block * block; };
-  width_ = rounded_up(inner_width_) + 2 * kBorder + block;
-  height_ = rounded_up(inner_height_) + 2 * kBorder + block;
+  const auto rounded_up = [](int cells) { return (cells + kTopBlock - 1) / kTopBlock * kTopBlock; };
+  width_ = rounded_up(inner_width_) + 2 * kBorder + kTopBlock;
+  height_ = rounded_up(inner_height_) + 2 * kBorder + kTopBlock;
   ends_ = make_pyramid(pooled(classes, end_values()), end_values()[ClassField::kOutside]);
+  ends_by_phase_ = by_phase(ends_);
   way_ = make_pyramid(pooled(classes, way_values()), way_values()[ClassField::kOutside]);
+  way_by_phase_ = by_phase(way_);
 }
 
 std::size_t PlaceSearch::bytes() const {
-  std::size_t sum = 0;
+  std::size_t sum = ends_by_phase_.size() + way_by_phase_.size();
   for (const Pyramid* pyramid : {&ends_, &way_}) {
     for (const auto& blocks : pyramid->blocks_below) sum += blocks.size() * sizeof(blocks[0]);
-    sum += pyramid->top_by_phase.size();
   }
   return sum;
 }
@@ -266,7 +264,7 @@ PlaceSearch::Pyramid PlaceSearch::make_pyramid(std::vector<std::uint8_t> finest,
   const auto width = static_cast<std::size_t>(width_);
   const auto height = static_cast<std::size_t>(height_);
   std::vector<std::uint8_t> below = std::move(finest);
-  for (int level = 1; level <= top_level_; ++level) {
+  for (int level = 1; level <= kTopLevel; ++level) {
     const std::size_t half = std::size_t{1} << (level - 1);
     std::vector<std::uint32_t> blocks(below.size());
     std::vector<std::uint8_t> here(below.size());
@@ -282,26 +280,36 @@ PlaceSearch::Pyramid PlaceSearch::make_pyramid(std::vector<std::uint8_t> finest,
         here[y * width + x] = *std::max_element(four.begin(), four.end());
       }
     }
-    pyramid.blocks_below.push_back(std::move(blocks));
+    pyramid.blocks_below[static_cast<std::size_t>(level - 1)] = std::move(blocks);
     below = std::move(here);
-  }
-  const std::size_t block = std::size_t{1} << top_level_;
-  const std::size_t blocks_x = width / block;
-  const std::size_t blocks_y = height / block;
-  pyramid.top_by_phase.resize(block * block * blocks_x * blocks_y);
-  for (std::size_t y = 0; y < blocks_y * block; ++y) {
-    for (std::size_t x = 0; x < blocks_x * block; ++x) {
-      const std::size_t phase = (y % block) * block + x % block;
-      pyramid.top_by_phase[(phase * blocks_y + y / block) * blocks_x + x / block] =
-          below[y * width + x];
-    }
   }
   return pyramid;
 }
 
-std::array<int, 4> PlaceSearch::bounds_below(const Query& query, const Node& node) const {
+std::vector<std::uint8_t> PlaceSearch::by_phase(const Pyramid& pyramid) const {
+  constexpr std::size_t kBlock = kTopBlock;
+  const auto width = static_cast<std::size_t>(width_);
+  const std::size_t blocks_x = width / kBlock;
+  const std::size_t blocks_y = static_cast<std::size_t>(height_) / kBlock;
+  std::vector<std::uint8_t> laid_out(kBlock * kBlock * blocks_x * blocks_y);
+  for (std::size_t y = 0; y < blocks_y * kBlock; ++y) {
+    for (std::size_t x = 0; x < blocks_x * kBlock; ++x) {
+      const std::size_t phase = (y % kBlock) * kBlock + x % kBlock;
+      // The first of the four blocks that make the top one at this cell lies at this cell, too.
+      laid_out[(phase * blocks_y + y / kBlock) * blocks_x + x / kBlock] =
+          static_cast<std::uint8_t>(pyramid.blocks_below[kTopLevel - 1][y * width + x] & 0xFFU);
+    }
+  }
+  return laid_out;
+}
+
+std::array<int, 4> PlaceSearch::bounds_below(const Query& query, const Node& node,
+                                             int threshold) const {
   const std::ptrdiff_t origin = static_cast<std::ptrdiff_t>(node.y) * width_ + node.x;
   const auto level = static_cast<std::size_t>(node.level - 1);
+  const CellOffset at = query.robot_offsets[node.rotation];
+  const std::uint32_t robot =
+      way_.blocks_below[level][static_cast<std::size_t>(origin + at.y * width_ + at.x)];
   FourSums sums;
   sums.add(way_.blocks_below[level].data() + origin, query.way_index(node.rotation));
   const std::uint32_t* ends = ends_.blocks_below[level].data() + origin;
@@ -310,52 +318,14 @@ std::array<int, 4> PlaceSearch::bounds_below(const Query& query, const Node& nod
     const std::size_t count = std::min(kGroup, rest.size());
     sums.add(ends, rest.first(count));
     rest = rest.subspan(count);
-    if (sums.max() + kHighestValue * static_cast<int>(rest.size()) < query.threshold) return {};
+    if (sums.max() + kHighestValue * static_cast<int>(rest.size()) < threshold) return {};
   }
-  return {sums[0], sums[1], sums[2], sums[3]};
-}
-
-void PlaceSearch::search_top(const Query& query, Frontier& open) const {
-  const int block = 1 << top_level_;
-  const std::size_t blocks_x = static_cast<std::size_t>(width_ / block);
-  const std::size_t blocks_y = static_cast<std::size_t>(height_ / block);
-  const auto inner_x = static_cast<std::size_t>((inner_width_ + block - 1) / block);
-  const auto inner_y = static_cast<std::size_t>((inner_height_ + block - 1) / block);
-  // Where the row of block values of a point begins for the first row of poses.
-  std::vector<const std::uint8_t*> sources;
-  const auto add_sources = [&](const Pyramid& pyramid, std::span<const CellOffset> offsets) {
-    for (const CellOffset offset : offsets) {
-      const int x = kBorder + offset.x;
-      const int y = kBorder + offset.y;
-      const int phase_index = (y % block) * block + x % block;
-      const auto phase = static_cast<std::size_t>(phase_index);
-      const auto row = phase * blocks_y + static_cast<std::size_t>(y / block);
-      sources.push_back(
-          &pyramid.top_by_phase[row * blocks_x + static_cast<std::size_t>(x / block)]);
-    }
-  };
-  const std::vector<std::uint8_t> nothing(blocks_x * blocks_y, 0);
-  std::vector<std::uint16_t> sums(inner_x);
-  for (std::size_t rotation = 0; rotation < kRotations; ++rotation) {
-    sources.clear();
-    add_sources(ends_, query.ends(rotation));
-    add_sources(way_, query.way(rotation));
-    while (sources.size() % kGroup != 0) sources.push_back(nothing.data());
-    for (std::size_t row = 0; row < inner_y; ++row) {
-      std::fill(sums.begin(), sums.end(), std::uint16_t{0});
-      for (std::size_t group = 0; group < sources.size(); group += kGroup) {
-        add_group(std::span<const std::uint8_t*, kGroup>(&sources[group], kGroup), row * blocks_x,
-                  sums);
-      }
-      for (std::size_t column = 0; column < inner_x; ++column) {
-        if (sums[column] < query.threshold) continue;
-        open.push({sums[column],
-                   static_cast<std::int16_t>(kBorder + static_cast<int>(column) * block),
-                   static_cast<std::int16_t>(kBorder + static_cast<int>(row) * block),
-                   static_cast<std::uint8_t>(rotation), static_cast<std::uint8_t>(top_level_)});
-      }
-    }
+  std::array<int, 4> bounds{};
+  for (std::size_t child = 0; child < 4; ++child) {
+    if (((robot >> (8U * child)) & 0xFFU) == kWayFree)
+      bounds[child] = sums[static_cast<int>(child)];
   }
+  return bounds;
 }
 
 PlaceSearch::Points PlaceSearch::gather(std::span<const Point2> ends_base_link,
@@ -380,6 +350,8 @@ PlaceSearch::Query PlaceSearch::make_query(const Points& points) const {
   for (int rotation = 0; rotation < kRotations; ++rotation) {
     append_offsets(query.end_offsets, points.ends, rotation * kTurn, cell_m_);
     append_offsets(query.way_offsets, points.way, rotation * kTurn, cell_m_);
+    append_offsets(query.robot_offsets, std::array{Point2{-points.center_base_link}},
+                   rotation * kTurn, cell_m_);
   }
   const auto index_of = [this](const CellOffset& offset) { return offset.y * width_ + offset.x; };
   std::ranges::transform(query.end_offsets, std::back_inserter(query.end_indices), index_of);
@@ -413,60 +385,205 @@ double PlaceSearch::mean_weight(std::span<const Point2> ends_base_link,
   return points.mean_of(sum(ends_, points.ends) + sum(way_, points.way));
 }
 
+/// What a run has looked at.
+struct PlaceSearch::Run::State {
+  State(const PlaceSearch& the_search, std::span<const Point2> ends_base_link,
+        std::span<const Point2> way_base_link, const PlaceSearchParams& the_params)
+      : search(the_search),
+        params(the_params),
+        points(search.gather(ends_base_link, way_base_link, params.max_points)),
+        query(search.make_query(points)),
+        open(kHighestValue * static_cast<int>(query.end_count + query.way_count + kGroup)),
+        blocks_x(static_cast<std::size_t>((search.inner_width_ + kTopBlock - 1) / kTopBlock)),
+        blocks_y(static_cast<std::size_t>((search.inner_height_ + kTopBlock - 1) / kTopBlock)) {
+    if (points.ends.empty() || blocks_x == 0 || blocks_y == 0) return;
+    judge_top_blocks();
+  }
+
+  /// For each top block the best of its four parts, by some of the points.
+  void judge_top_blocks();
+  /// Opens the top blocks that may reach `bound` and were not opened yet, row by row: blocks side
+  /// by side share what they look up.
+  void open_down_to(int bound, int threshold);
+  void expand(const Node& node, int threshold);
+  [[nodiscard]] bool is_known(const Node& node) const;
+  [[nodiscard]] std::optional<Place> next(double min_mean_weight);
+
+  /// Of base_link in `grid`, when the centre of the ends is at cells x, y of the padded field.
+  [[nodiscard]] Pose2 pose_of(double x, double y, int rotation) const {
+    const Pose2 T_grid_center{(x - kBorder) * search.cell_m_, (y - kBorder) * search.cell_m_,
+                              wrap_angle(rotation * kTurn)};
+    return T_grid_center * Pose2{-points.center_base_link.x(), -points.center_base_link.y(), 0.0};
+  }
+  /// What a sum over the coarse points says of the sum over all points, at most.
+  [[nodiscard]] int bound_of(int coarse_sum) const {
+    if (coarse_sum <= 0) return -1;
+    const double whole = static_cast<double>(coarse_sum) * static_cast<double>(query.end_count) /
+                         static_cast<double>(coarse_count);
+    const double slack = coarse_count == query.end_count
+                             ? 0.0
+                             : kCoarseSlack * kStepsPerNat * static_cast<double>(query.end_count);
+    const int way = kWayFree * static_cast<int>(query.way_count);
+    return std::min(kHighestValue * static_cast<int>(query.end_count),
+                    static_cast<int>(whole + slack)) +
+           way;
+  }
+
+  const PlaceSearch& search;
+  PlaceSearchParams params;
+  Points points;
+  Query query;
+  Frontier open;
+  std::size_t blocks_x;
+  std::size_t blocks_y;
+  std::size_t coarse_count = 0;
+  std::vector<std::uint16_t> coarse_sums;  ///< By heading, row and column of top blocks.
+  std::vector<std::uint16_t> best_of_row;  ///< By heading and row.
+  int closed_below = 0;                    ///< Coarse sums from here on are open.
+  std::vector<Pose2> found;                ///< In `grid`.
+  std::size_t expansions = 0;
+};
+
+void PlaceSearch::Run::State::judge_top_blocks() {
+  constexpr auto kBlock = static_cast<std::size_t>(kTopBlock);
+  const std::size_t stride = static_cast<std::size_t>(search.width_) / kBlock;
+  const std::size_t rows = static_cast<std::size_t>(search.height_) / kBlock;
+  coarse_count = std::min(kCoarsePoints, query.end_count);
+  coarse_sums.assign(kRotations * blocks_y * blocks_x, 0);
+  best_of_row.assign(kRotations * blocks_y, 0);
+  const std::vector<std::uint8_t> nothing(stride * rows, 0);
+  const auto blocks_from = [&](const std::vector<std::uint8_t>& laid_out, const CellOffset& offset,
+                               int part) {
+    const auto x = static_cast<std::size_t>(kBorder + offset.x + (part % 2) * kTopBlock / 2);
+    const auto y = static_cast<std::size_t>(kBorder + offset.y + (part / 2) * kTopBlock / 2);
+    const std::size_t phase = (y % kBlock) * kBlock + x % kBlock;
+    return &laid_out[(phase * rows + y / kBlock) * stride + x / kBlock];
+  };
+  std::vector<const std::uint8_t*> sources;
+  std::vector<std::uint16_t> sums(blocks_x);
+  for (std::size_t rotation = 0; rotation < kRotations; ++rotation) {
+    const std::span<const CellOffset> ends = query.ends(rotation);
+    for (int part = 0; part < 4; ++part) {
+      sources.clear();
+      for (std::size_t i = 0; i < coarse_count; ++i) {
+        const CellOffset& offset = ends[i * query.end_count / coarse_count];
+        sources.push_back(blocks_from(search.ends_by_phase_, offset, part));
+      }
+      while (sources.size() % kGroup != 0) sources.push_back(nothing.data());
+      const std::uint8_t* robot =
+          blocks_from(search.way_by_phase_, query.robot_offsets[rotation], part);
+      for (std::size_t row = 0; row < blocks_y; ++row) {
+        const std::uint8_t* standing = robot + row * stride;
+        const std::uint8_t* free = std::find(standing, standing + blocks_x, kWayFree);
+        if (free == standing + blocks_x) continue;
+        std::fill(sums.begin(), sums.end(), std::uint16_t{0});
+        for (std::size_t group = 0; group < sources.size(); group += kGroup) {
+          add_group(std::span<const std::uint8_t*, kGroup>(&sources[group], kGroup), row * stride,
+                    sums);
+        }
+        const std::size_t at = rotation * blocks_y + row;
+        std::uint16_t* best = &coarse_sums[at * blocks_x];
+        for (std::size_t column = 0; column < blocks_x; ++column) {
+          const std::uint16_t sum = standing[column] == kWayFree ? sums[column] : std::uint16_t{0};
+          best[column] = std::max(best[column], sum);
+        }
+        best_of_row[at] = std::max(best_of_row[at], *std::max_element(best, best + blocks_x));
+      }
+    }
+  }
+  closed_below = *std::max_element(best_of_row.begin(), best_of_row.end()) + 1;
+}
+
+void PlaceSearch::Run::State::open_down_to(int bound, int threshold) {
+  int sum = closed_below;
+  while (sum > 0 && bound_of(sum - 1) >= bound) --sum;
+  for (std::size_t at = 0; at < best_of_row.size(); ++at) {
+    if (best_of_row[at] < sum) continue;
+    for (std::size_t column = 0; column < blocks_x; ++column) {
+      const int here = coarse_sums[at * blocks_x + column];
+      if (here < sum || here >= closed_below) continue;
+      ++expansions;
+      expand({bound_of(here),
+              static_cast<std::int16_t>(kBorder + static_cast<int>(column) * kTopBlock),
+              static_cast<std::int16_t>(kBorder + static_cast<int>(at % blocks_y) * kTopBlock),
+              static_cast<std::uint8_t>(at / blocks_y), std::uint8_t{kTopLevel}},
+             threshold);
+    }
+  }
+  closed_below = sum;
+}
+
+bool PlaceSearch::Run::State::is_known(const Node& node) const {
+  const double half = 0.5 * (1 << node.level);
+  const Pose2 middle = pose_of(node.x + half, node.y + half, node.rotation);
+  const double slack = std::numbers::sqrt2 * (half - 0.5) * search.cell_m_;
+  return std::any_of(found.begin(), found.end(), [&](const Pose2& place) {
+    return distance(place, middle) + slack < params.distinct_distance_m &&
+           angle_between(place, middle) < params.distinct_angle_rad;
+  });
+}
+
+void PlaceSearch::Run::State::expand(const Node& node, int threshold) {
+  const int half = 1 << (node.level - 1);
+  const std::array<int, 4> bounds = search.bounds_below(query, node, threshold);
+  for (int child = 0; child < 4; ++child) {
+    Node next = node;
+    next.level = static_cast<std::uint8_t>(node.level - 1);
+    next.x = static_cast<std::int16_t>(node.x + (child % 2) * half);
+    next.y = static_cast<std::int16_t>(node.y + (child / 2) * half);
+    if (next.x >= kBorder + search.inner_width_ || next.y >= kBorder + search.inner_height_)
+      continue;
+    next.bound = bounds[static_cast<std::size_t>(child)];
+    if (next.bound >= threshold) open.push(next);
+  }
+}
+
+std::optional<Place> PlaceSearch::Run::State::next(double min_mean_weight) {
+  if (coarse_sums.empty()) return std::nullopt;
+  const int threshold = std::max(0, static_cast<int>(points.sum_of(min_mean_weight)));
+  const int step =
+      std::max(1, static_cast<int>(0.05 * kStepsPerNat * static_cast<double>(query.end_count)));
+  while (expansions < params.max_expansions) {
+    const int closed = bound_of(closed_below - 1);  // no block that is not open yet reaches more
+    if (closed >= threshold && closed > open.top()) {
+      open_down_to(std::max({threshold, open.top(), closed - step}), threshold);
+      continue;
+    }
+    if (open.top() < threshold) return std::nullopt;
+    const Node node = open.pop();
+    ++expansions;
+    if (is_known(node)) continue;
+    if (node.level > 0) {
+      expand(node, threshold);
+      continue;
+    }
+    found.push_back(pose_of(node.x + 0.5, node.y + 0.5, node.rotation));
+    return Place{search.T_map_grid_ * found.back(), points.mean_of(node.bound)};
+  }
+  return std::nullopt;
+}
+
+PlaceSearch::Run::Run(const PlaceSearch& search, std::span<const Point2> ends_base_link,
+                      std::span<const Point2> way_base_link, const PlaceSearchParams& params)
+    : state_(std::make_unique<State>(search, ends_base_link, way_base_link, params)) {}
+PlaceSearch::Run::~Run() = default;
+PlaceSearch::Run::Run(Run&&) noexcept = default;
+
+std::optional<Place> PlaceSearch::Run::next(double min_mean_weight) {
+  return state_->next(min_mean_weight);
+}
+
 std::vector<Place> PlaceSearch::find(std::span<const Point2> ends_base_link,
                                      std::span<const Point2> way_base_link,
                                      const PlaceSearchParams& params) const {
+  Run run(*this, ends_base_link, way_base_link, params);
   std::vector<Place> places;
-  if (inner_width_ == 0 || inner_height_ == 0) return places;
-  const Points points = gather(ends_base_link, way_base_link, params.max_points);
-  if (points.ends.empty()) return places;
-  Query query = make_query(points);
-  query.threshold = static_cast<int>(points.sum_of(params.min_mean_weight));
-  const int max_gap = static_cast<int>(params.max_mean_gap * kStepsPerNat *
-                                       static_cast<double>(points.ends.size()));
-
-  Frontier open(kHighestValue * static_cast<int>(query.end_count + query.way_count + kGroup));
-  search_top(query, open);
-  const auto pose_of = [&](double x, double y,
-                           int rotation) {  // of base_link in `grid`, centre at cells x, y
-    const Pose2 T_grid_center{(x - kBorder) * cell_m_, (y - kBorder) * cell_m_,
-                              wrap_angle(rotation * kTurn)};
-    return T_grid_center * Pose2{-points.center_base_link.x(), -points.center_base_link.y(), 0.0};
-  };
-  std::vector<Pose2> found;  // in `grid`
-  const auto is_known = [&](const Node& node) {
-    const double half = 0.5 * (1 << node.level);
-    const Pose2 middle = pose_of(node.x + half, node.y + half, node.rotation);
-    const double slack = std::numbers::sqrt2 * (half - 0.5) * cell_m_;
-    return std::any_of(found.begin(), found.end(), [&](const Pose2& place) {
-      return distance(place, middle) + slack < params.distinct_distance_m &&
-             angle_between(place, middle) < params.distinct_angle_rad;
-    });
-  };
-  for (std::size_t expansions = 0; expansions < params.max_expansions; ++expansions) {
-    const std::optional<Node> next_best = open.pop(query.threshold);
-    if (!next_best) break;
-    const Node& node = *next_best;
-    if (is_known(node)) continue;
-    if (node.level == 0) {
-      found.push_back(pose_of(node.x + 0.5, node.y + 0.5, node.rotation));
-      places.push_back({T_map_grid_ * found.back(), points.mean_of(node.bound)});
-      if (places.size() == params.max_places) break;
-      query.threshold = std::max(query.threshold, node.bound - max_gap);
-      continue;
-    }
-    const int half = 1 << (node.level - 1);
-    const std::array<int, 4> bounds = bounds_below(query, node);
-    for (int child = 0; child < 4; ++child) {
-      Node next = node;
-      next.level = static_cast<std::uint8_t>(node.level - 1);
-      next.x = static_cast<std::int16_t>(node.x + (child % 2) * half);
-      next.y = static_cast<std::int16_t>(node.y + (child / 2) * half);
-      if (next.x >= kBorder + inner_width_ || next.y >= kBorder + inner_height_) continue;
-      next.bound = bounds[static_cast<std::size_t>(child)];
-      if (next.bound < query.threshold) continue;
-      open.push(next);
-    }
+  double least = params.min_mean_weight;
+  while (places.size() < params.max_places) {
+    const std::optional<Place> place = run.next(least);
+    if (!place) break;
+    places.push_back(*place);
+    least = std::max(least, places.front().mean_weight - params.max_mean_gap);
   }
   return places;
 }

@@ -34,8 +34,9 @@ inline constexpr double kMinMatchedShare = 0.3;  ///< Of the points of a scan th
                                             bool has_odometry) {
   const double way = std::hypot(motion.x, motion.y);
   const double turn = std::abs(motion.yaw);
-  if (has_odometry) return {T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way};
-  return {T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn};
+  if (has_odometry)
+    return isotropic_prior(T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way);
+  return isotropic_prior(T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn);
 }
 
 }  // namespace cornerfix

@@ -163,7 +163,7 @@ class CornerFinder {
         min_points_(params.min_arm_points),
         step_(std::abs(scan.angle_increment)),
         sense_(scan.angle_increment < 0.0 ? -1.0 : 1.0),
-        sigma_(estimate_range_noise(scan)) {}
+        sigma_(std::max(estimate_range_noise(scan), params.min_noise_m)) {}
 
   std::vector<Corner> find() {
     Index begin = 0;
@@ -402,6 +402,7 @@ std::optional<Error> validate(const TwoArmParams& params) {
   if (!(params.min_incidence_rad >= 0.0 && params.min_incidence_rad < std::numbers::pi / 2.0)) {
     return broken("min_incidence_rad", "must be in [0, pi/2) rad");
   }
+  if (!(params.min_noise_m >= 0.0)) return broken("min_noise_m", "must be at least 0 m");
   return std::nullopt;
 }
 

@@ -85,7 +85,6 @@ void PrintTo(const RealLog& log, std::ostream* out) {
 
 EvaluationOptions options_of(const RealLog& log) {
   EvaluationOptions options;
-  options.split = log.split;
   options.batch = log.batch;
   options.starts = 24;
   options.track_m = 2.0;
@@ -100,7 +99,7 @@ TEST_P(RealLogs, FindTheRobotInTheMappedPart) {
   const std::optional<RecordedLog> log = read_real_log(GetParam().name);
   if (!log) GTEST_SKIP() << kSkipped;
   const EvaluationOptions options = options_of(GetParam());
-  const std::size_t end = split_index(*log, options.split);
+  const std::size_t end = split_index(*log, GetParam().split);
   const Evaluation evaluation = map_from(*log, end, options.mapper);
   const std::vector<StartRecord> records =
       evaluate(*log, end, {evaluation.map}, 0, evaluation.mapping_positions, options, nullptr);
@@ -142,9 +141,9 @@ TEST(RealLogs, AnotherBuildingIsNotTakenForTheMappedOne) {
 TEST(RealLogs, AMirroredRobotIsNotFound) {
   const std::optional<RecordedLog> log = read_real_log("freiburg_079");
   if (!log) GTEST_SKIP() << kSkipped;
-  EvaluationOptions options = options_of({.name = "freiburg_079", .split = 0.7});
+  EvaluationOptions options = options_of({.name = "freiburg_079"});
   options.mirror = true;
-  const std::size_t end = split_index(*log, options.split);
+  const std::size_t end = split_index(*log, 0.7);
   const Evaluation evaluation = map_from(*log, end, options.mapper);
   const std::vector<StartRecord> records =
       evaluate(*log, end, {evaluation.map}, 0, evaluation.mapping_positions, options, nullptr);

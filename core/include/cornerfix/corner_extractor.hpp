@@ -22,7 +22,9 @@ enum class CornerExtractor {
 
 /// Corners of one scan in `laser`, by ascending beam, with the extractor's default parameters for
 /// this scanner. `scan` must pass validate(). O(beams).
-[[nodiscard]] std::vector<Feature> extract_corners(const LaserScan& scan,
-                                                   CornerExtractor extractor);
+/// \param min_noise_m  The ranges are at least as noisy as this, whatever they look like; kTwoArm
+/// alone asks for it.
+[[nodiscard]] std::vector<Feature> extract_corners(const LaserScan& scan, CornerExtractor extractor,
+                                                   double min_noise_m = 0.0);
 
 }  // namespace cornerfix

@@ -108,8 +108,10 @@ struct EvidenceScore {
                                            const Pose2& T_map_evidence);
 
 /// Probability that the best pose is the true one. `gap` is its log-likelihood less that of the
-/// best other pose. A logistic in the gap, the contradictions and the share of unmapped ends,
-/// fitted over logs (docs/algorithm.md).
+/// best other pose. A logistic in the gap a beam end, the number of ends, the contradictions and
+/// the share of unmapped ends, fitted over logs (docs/algorithm.md): ends on one wall are no
+/// independent witnesses, so a hundred more of them count like the logarithm of their number, not
+/// like a sum.
 [[nodiscard]] double probability_right(const EvidenceScore& best, double gap);
 
 /// The gap at which probability_right() reaches `probability`, in (0, 1).

@@ -25,7 +25,7 @@ enum class Method {
 
 /// What makes a candidate a fix.
 struct AcceptanceParams {
-  double min_probability = 0.99;  ///< Of the calibrated model; in (0, 1).
+  double min_probability = 0.995;  ///< Of the calibrated model; in (0, 1).
   double min_gap = 10.0;          ///< Log-likelihood less that of the best other place [nat]; >= 0.
   double min_mean_gap = 0.08;     ///< The same a beam end: identical rooms stay below; >= 0.
 };

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,7 +24,19 @@ struct MapImageLimits {
   std::int64_t max_cells = 100'000'000;  ///< width * height.
 };
 
-/// Reads MAP.yaml and the image it names (relative to the yaml).
+/// The two files of a map as they are.
+struct MapFiles {
+  std::string yaml;
+  std::filesystem::path image_path;
+  std::string image;
+};
+
+/// Loads MAP.yaml and the image it names (relative to the yaml); of the image only its size is
+/// checked. `field` of an error is the path of a file.
+[[nodiscard]] Result<MapFiles> load_map_files(const std::filesystem::path& yaml_path,
+                                              const MapImageLimits& limits = {});
+
+/// Reads MAP.yaml and the image it names.
 [[nodiscard]] Result<OccupancyGrid> read_map_files(const std::filesystem::path& yaml_path,
                                                    const MapImageLimits& limits = {});
 
@@ -31,6 +44,13 @@ struct MapImageLimits {
 [[nodiscard]] Result<OccupancyGrid> parse_map(std::string_view yaml,
                                               std::span<const std::byte> image,
                                               const MapImageLimits& limits = {});
+
+/// A sentence for the map's owner when the yaml's thresholds leave most of the border of free space
+/// without walls, with the occupied_thresh that fits better if there is one. Nothing when they fit,
+/// or when the files cannot be read. As costly as a few parse_map().
+[[nodiscard]] std::optional<std::string> threshold_advice(std::string_view yaml,
+                                                          std::span<const std::byte> image,
+                                                          const MapImageLimits& limits = {});
 
 /// An 8-bit grey png in map_server's trinary colours: occupied 0, free 254, unknown 205. Empty for
 /// a grid without cells.

@@ -3,13 +3,17 @@
 ///
 /// After Hess et al. 2016 (real-time loop closure in 2D lidar SLAM, section V): a pyramid of maxima
 /// bounds the score of every pose in a block of cells, so that most of the map is never looked at.
-/// Unlike there, the result is the best few *distinct* places, since a fix is worth only as much as
-/// the gap to the second.
+/// Unlike there, the result is *distinct* places, best first and as far down as they are asked for,
+/// since a fix is worth only as much as the gap to the second. And the coarsest blocks, which are
+/// many, are looked at with some of the points: what these say of all points is off by less than a
+/// slack.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,19 +38,22 @@ struct Place {
   double mean_weight = 0;  ///< Optimistic mean weight of the points [nat].
 };
 
-/// The pyramid of one map. Immutable: any threads may share it. 18 bytes a 0.2 m cell with
-/// its border, 26 on large maps.
+/// The pyramid of one map. Immutable: any threads may share it. 18 bytes a 0.2 m cell with its
+/// border.
 class PlaceSearch {
  public:
   explicit PlaceSearch(const ClassField& classes);
 
   /// \param ends_base_link  Where beams ended, in base_link at the pose asked for.
-  /// \param way_base_link   Where the robot has been, which must be free space; the last may be the
-  /// origin.
+  /// \param way_base_link   Where the robot has been, which should be free space.
+  /// base_link itself is looked for in known-free space only.
   /// \return Distinct places, best first.
   [[nodiscard]] std::vector<Place> find(std::span<const Point2> ends_base_link,
                                         std::span<const Point2> way_base_link,
                                         const PlaceSearchParams& params) const;
+
+  /// The same, place by place.
+  class Run;
 
   /// What the search would say of a pose: a bound for places that could matter beside it.
   [[nodiscard]] double mean_weight(std::span<const Point2> ends_base_link,
@@ -57,12 +64,10 @@ class PlaceSearch {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// Maxima over blocks of 1, 2, 4 … cells. The top level lies by phase, so that the blocks of a
-  /// row are side by side in memory; below it each word holds the four blocks that make a larger
-  /// one.
+  /// Maxima over blocks of 1, 2, 4 … cells.
   struct Pyramid {
-    std::vector<std::vector<std::uint32_t>> blocks_below;  ///< Of levels 1, 2 …
-    std::vector<std::uint8_t> top_by_phase;
+    /// Each word holds the four blocks that make a larger one, by the level of the larger, from 1.
+    std::array<std::vector<std::uint32_t>, 2> blocks_below;
   };
   struct Node;
   class Frontier;
@@ -72,16 +77,17 @@ class PlaceSearch {
   [[nodiscard]] std::vector<std::uint8_t> pooled(
       const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const;
   [[nodiscard]] Pyramid make_pyramid(std::vector<std::uint8_t> finest, std::uint8_t outside) const;
+  /// Blocks of 2 cells, those of one phase against the top blocks side by side, row by row.
+  [[nodiscard]] std::vector<std::uint8_t> by_phase(const Pyramid& pyramid) const;
   [[nodiscard]] Points gather(std::span<const Point2> ends_base_link,
                               std::span<const Point2> way_base_link, int max_points) const;
   [[nodiscard]] Query make_query(const Points& points) const;
-  void search_top(const Query& query, Frontier& open) const;
   /// Bounds of the four blocks that `node` is made of; zeros when none reaches the threshold.
-  [[nodiscard]] std::array<int, 4> bounds_below(const Query& query, const Node& node) const;
+  [[nodiscard]] std::array<int, 4> bounds_below(const Query& query, const Node& node,
+                                                int threshold) const;
 
   Pose2 T_map_grid_;
   double cell_m_ = 0.2;
-  int top_level_ = 2;
   int inner_width_ =
       0;  ///< Cells of the map proper, which lies inside a border as wide as points may reach.
   int inner_height_ = 0;
@@ -89,6 +95,25 @@ class PlaceSearch {
   int height_ = 0;
   Pyramid ends_;
   Pyramid way_;
+  std::vector<std::uint8_t> ends_by_phase_;
+  std::vector<std::uint8_t> way_by_phase_;
+};
+
+/// The places of one question. Refers to the search that it was made from.
+class PlaceSearch::Run {
+ public:
+  Run(const PlaceSearch& search, std::span<const Point2> ends_base_link,
+      std::span<const Point2> way_base_link, const PlaceSearchParams& params);
+  ~Run();
+  Run(Run&&) noexcept;
+
+  /// The best place that was not given yet, or nothing when none has at least this mean weight
+  /// [nat].
+  [[nodiscard]] std::optional<Place> next(double min_mean_weight);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace cornerfix

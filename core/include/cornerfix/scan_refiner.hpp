@@ -19,9 +19,12 @@ namespace cornerfix {
 /// corridor's axis).
 struct PosePrior {
   Pose2 T_frame_base_link;
-  double sigma_position_m = 0.05;  ///< > 0
-  double sigma_yaw_rad = 0.03;     ///< > 0
+  Eigen::Matrix3d information;  ///< Of x, y, yaw along the axes of the frame; positive definite.
 };
+
+/// Equally sure in all directions; both sigmas > 0.
+[[nodiscard]] PosePrior isotropic_prior(const Pose2& T_frame_base_link, double sigma_position_m,
+                                        double sigma_yaw_rad);
 
 struct ScanRefinerParams {
   double kernel_m =

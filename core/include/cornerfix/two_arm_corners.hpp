@@ -34,6 +34,7 @@ struct TwoArmParams {
   double min_gain = 30.0;             ///< After growth; > 0.
   double min_turn_angle_rad = 0.436;  ///< 25 deg; in (0, pi).
   double min_incidence_rad = 0.105;   ///< 6 deg: flatter arms are unreliable; in [0, pi/2).
+  double min_noise_m = 0.0;  ///< Ranges are as noisy as this, whatever they look like; >= 0.
 };
 
 [[nodiscard]] std::optional<Error> validate(const TwoArmParams& params);

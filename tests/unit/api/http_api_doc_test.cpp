@@ -34,6 +34,7 @@ std::vector<nlohmann::json> answers_in(const std::string& text) {
 std::string schema_of(const nlohmann::json& answer) {
   for (const auto& [member, schema] : std::vector<std::pair<const char*, const char*>>{
            {"type", "Problem"},
+           {"warnings", "FloorMapResult"},
            {"digest", "Map"},
            {"maps", answer.contains("robot") ? "Session" : "MapList"},
            {"accepted", "MapBatch"},

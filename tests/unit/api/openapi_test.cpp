@@ -101,6 +101,9 @@ TEST(Openapi, HasEveryCallOfTheContract) {
                        "delete /v1/maps/{map}",
                        "post /v1/maps/{map}/scans",
                        "put /v1/maps/{map}/trajectory",
+                       "put /v1/maps/{map}/grid",
+                       "get /v1/maps/{map}/archive",
+                       "post /v1/maps/{map}/archive",
                        "get /v1/maps/{map}/features",
                        "get /v1/maps/{map}/features/{id}/descriptor",
                        "get /v1/maps/{map}/grid.png",
@@ -217,6 +220,7 @@ TEST(Openapi, HasRequestExamplesThatAreTaken) {
   std::set<std::string> taken;
   for_each_operation([&](const std::string& where, const nlohmann::json& operation) {
     if (!operation.contains("requestBody")) return;
+    if (!operation["requestBody"]["content"].contains("application/json")) return;
     const std::string name = operation["operationId"];
     ASSERT_TRUE(takers.contains(name)) << where;
     for (const auto& example :

@@ -86,24 +86,25 @@ TEST_F(LogReading, ReadsGzipAsItReadsText) {
   EXPECT_EQ(packed->scans[12345].scan.ranges, plain->scans[12345].scan.ranges);
 }
 
-TEST_F(LogReading, SaysWhereATruncatedGzipEnds) {
+TEST_F(LogReading, KeepsWhatATruncatedGzipHoldsAndSaysWhereItEnds) {
   const auto path = directory_.write_gzip("cut.jsonl.gz", long_log());
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   auto reader = LogReader::open(path);
   ASSERT_TRUE(reader.ok()) << reader.error().message;
-  std::size_t scans = 0;
-  Result<std::optional<LogScan>> scan = reader->next();
-  for (; scan.ok() && *scan; scan = reader->next()) ++scans;
-  ASSERT_FALSE(scan.ok());
-  EXPECT_GT(scans, 1000U);  // What came before the cut is given out.
-  EXPECT_EQ(scan.error().message,
-            "line " + std::to_string(scans + 2) + ": the compressed file ends too early");
-  EXPECT_EQ(scan.error().field, path.string());
+  const std::size_t scans = read_all(*reader).scans.size();
+  EXPECT_GT(scans, 1000U);
+  EXPECT_LT(scans, 20000U);
+  ASSERT_EQ(reader->faults().count(), 1U);
+  const LogFault& fault = reader->faults().first()[0];
+  EXPECT_EQ(fault.message, "the compressed file ends too early");
+  EXPECT_THAT(fault.where, HasSubstr("line " + std::to_string(scans + 2) + ", byte "));
 }
 
-TEST_F(LogReading, NamesTheLineOfWhatIsBroken) {
-  const std::string good = R"({"t": 0, "ranges": [1, 1, 1]})"
-                           "\n";
+TEST_F(LogReading, LeavesBrokenLinesOutAndTellsWhereTheyAre) {
+  const std::string good0 = R"({"t": 0, "ranges": [1, 1, 1]})"
+                            "\n";
+  const std::string good2 = R"({"t": 2, "ranges": [1, 1, 1]})"
+                            "\n";
   const std::vector<std::pair<std::string, std::string>> bad_line_and_message = {
       {R"({"t": 1, "ranges": [1, 1]})", "ranges: 2 values, expected 3"},
       {R"({"t": 1, "ranges": [1, 1, "far"]})", "ranges: "},
@@ -115,10 +116,38 @@ TEST_F(LogReading, NamesTheLineOfWhatIsBroken) {
       {"scan", ""},
   };
   for (const auto& [line, message] : bad_line_and_message) {
-    const auto log = read_log(directory_.write("a.jsonl", kHeader + good + line + "\n" + good));
-    ASSERT_FALSE(log.ok()) << line;
-    EXPECT_THAT(log.error().message, HasSubstr("line 3: " + message)) << line;
+    auto reader =
+        LogReader::open(directory_.write("a.jsonl", kHeader + good0 + line + "\n" + good2));
+    ASSERT_TRUE(reader.ok()) << line;
+    EXPECT_EQ(read_all(*reader).scans.size(), 2U) << line;
+    ASSERT_EQ(reader->faults().count(), 1U) << line;
+    const std::size_t offset = std::string(kHeader).size() + good0.size();
+    EXPECT_EQ(reader->faults().first()[0].where, "line 3, byte " + std::to_string(offset));
+    EXPECT_THAT(reader->faults().first()[0].message, HasSubstr(message)) << line;
+    EXPECT_THAT(remarks(*reader), HasSubstr("1 broken record left out, the first at line 3"));
   }
+}
+
+TEST_F(LogReading, GivesUpOnAFileOfBrokenLinesOnly) {
+  std::string text;
+  for (int i = 0; i < 100000; ++i) text += "nonsense\n";
+  auto log = LogReader::open(directory_.write("a.jsonl", text));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("holds no scan; 100 broken records left out"));
+}
+
+TEST_F(LogReading, CountsScansThatAreNoYoungerThanTheOneBefore) {
+  auto reader = LogReader::open(directory_.write("a.jsonl", std::string(kHeader) +
+                                                                R"({"t": 5, "ranges": [1,1,1]})"
+                                                                "\n"
+                                                                R"({"t": 5, "ranges": [1,1,1]})"
+                                                                "\n"
+                                                                R"({"t": 4, "ranges": [1,1,1]})"
+                                                                "\n"
+                                                                R"({"t": 6, "ranges": [1,1,1]})"));
+  ASSERT_TRUE(reader.ok());
+  EXPECT_EQ(read_all(*reader).scans.size(), 2U);
+  EXPECT_EQ(reader->faults().count(), 2U);
 }
 
 TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
@@ -126,7 +155,7 @@ TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
       "a.jsonl", R"({"name": "x", "beams": 3, "angle_min": 0, "angle_increment": 0.1})"
                  "\n"));
   ASSERT_FALSE(log.ok());
-  EXPECT_THAT(log.error().message, HasSubstr("line 1: header: range_max"));
+  EXPECT_THAT(log.error().message, HasSubstr("line 1, byte 0: header: range_max"));
 }
 
 TEST_F(LogReading, RefusesFilesThatHoldNoDrive) {
@@ -164,11 +193,99 @@ TEST_F(LogReading, GivesAnOddNumberOfCarmenBeamsBothEndsOfTheHalfTurn) {
   EXPECT_NEAR(log->scans[0].scan.bearing(2), std::numbers::pi / 2.0, 1e-12);
 }
 
-TEST_F(LogReading, NamesTheLineOfABrokenCarmenMessage) {
+TEST_F(LogReading, LeavesABrokenCarmenMessageOutAndTellsWhereItIs) {
+  auto reader = LogReader::open(
+      directory_.write("drive.gfs",
+                       "# start\nFLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\nFLASER 3 1 2\n"
+                       "FLASER 99999999999 1 2 3\nFLASER 3 1 2 3 0 0 0 0 0 0 2.0 host 1.0\n"));
+  ASSERT_TRUE(reader.ok());
+  EXPECT_EQ(read_all(*reader).scans.size(), 2U);
+  ASSERT_EQ(reader->faults().count(), 2U);
+  EXPECT_EQ(reader->faults().first()[0].where, "line 3, byte 48");
+  EXPECT_EQ(reader->faults().first()[0].message, "FLASER: expected 3 ranges");
+  EXPECT_EQ(reader->faults().first()[1].message,
+            "FLASER: expected a number of beams from 2 to 20000");
+}
+
+TEST_F(LogReading, TakesACarmenPoseThatOnlyRepeatsTheOdometryForNoReference) {
+  const auto log = read_log(directory_.write("drive.log",
+                                             "PARAM robot_frontlaser_offset 0.5 host 0\n"
+                                             "FLASER 2 1 2 1.5 2 0 1 2 0 1.0 host 1.0\n"
+                                             "FLASER 2 1 2 1.8 2 0 1.1 2 0 2.0 host 1.0\n"));
+  ASSERT_TRUE(log.ok());
+  EXPECT_FALSE(log->scans[0].T_map_laser);
+  EXPECT_EQ(log->scans[0].T_odom_laser, (Pose2{1.5, 2.0, 0.0}));
+  EXPECT_EQ(log->scans[1].T_map_laser, (Pose2{1.8, 2.0, 0.0}));
+}
+
+TEST_F(LogReading, TakesOneOfTheLasersOfACarmenLog) {
+  const auto path = directory_.write("drive.log",
+                                     "PARAM robot_rearlaser_offset -0.3 host 0\n"
+                                     "FLASER 2 1 2 9 9 0 1 2 0 1.0 host 1.0\n"
+                                     "RLASER 2 3 4 8 8 0 1 2 0 1.5 host 1.0\n");
+  const auto front = read_log(path);
+  ASSERT_TRUE(front.ok());
+  ASSERT_EQ(front->scans.size(), 1U);
+  EXPECT_EQ(front->scans[0].scan.ranges[0], 1.0F);
+  auto reader = LogReader::open(path, "RLASER");
+  ASSERT_TRUE(reader.ok());
+  const RecordedLog rear = read_all(*reader);
+  ASSERT_EQ(rear.scans.size(), 1U);
+  EXPECT_EQ(rear.scans[0].scan.ranges[0], 3.0F);
+  EXPECT_NEAR(rear.scans[0].T_odom_laser->x, 0.7, 1e-12);
+  EXPECT_NEAR(rear.scans[0].T_odom_laser->yaw, std::numbers::pi, 1e-12);
+}
+
+// laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
+constexpr const char* kLaserConfig = "0 -1.5 3.0 1.5 50.0 0.01 0 ";
+
+TEST_F(LogReading, ReadsNewCarmenLaserMessagesWithAndWithoutRemissions) {
+  const std::string config = kLaserConfig;
   const auto log = read_log(directory_.write(
-      "drive.gfs", "# start\nFLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\nFLASER 3 1 2\n"));
-  ASSERT_FALSE(log.ok());
-  EXPECT_EQ(log.error().message, "line 3: FLASER: expected 3 ranges");
+      "drive.log", "ROBOTLASER1 " + config +
+                       "3 1 2 50.0 2 7 8 1.5 0.6 0.7 1 0.6 0.7 0.1 0 0.5 0.5 1e4 10.5 host 0.1\n"
+                       "ROBOTLASER1 " +
+                       config + "3 1 2 3 1.6 0.6 0.7 1 0.6 0.7 0.1 0 0.5 0.5 11.5 host 0.2\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  ASSERT_EQ(log->scans.size(), 2U);
+  EXPECT_EQ(log->header.lidar.angle_min, -1.5);
+  EXPECT_EQ(log->header.lidar.angle_increment, 1.5);
+  EXPECT_FALSE(log->scans[0].scan.has_return(2));  // At the maximum range.
+  EXPECT_EQ(log->scans[0].scan.stamp, 10.5);
+  EXPECT_EQ(log->scans[1].scan.stamp, 11.5);
+  EXPECT_EQ(log->scans[1].T_odom_laser, (Pose2{1.6, 0.6, 0.7}));
+  EXPECT_FALSE(log->scans[1].T_map_laser);
+}
+
+TEST_F(LogReading, GivesARawCarmenLaserTheOdometryOfItsTime) {
+  const auto log =
+      read_log(directory_.write("drive.log",
+                                "PARAM robot_frontlaser_offset 0.2 host 0\n"
+                                "ODOM 1.0 2.0 0.0 0.5 0.0 0.0 10.0 host 0.1\n"
+                                "RAWLASER1 " +
+                                    std::string(kLaserConfig) + "3 1 2 3 0 10.2 host 0.2\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  ASSERT_TRUE(log->scans[0].T_odom_laser);
+  EXPECT_NEAR(log->scans[0].T_odom_laser->x, 1.0 + 0.5 * 0.2 + 0.2, 1e-9);
+}
+
+TEST_F(LogReading, TakesFieldOfViewAndRangeOfACarmenLogFromItsParameters) {
+  const auto log = read_log(directory_.write("drive.log",
+                                             "PARAM laser_front_laser_fov 90.0 host 0\n"
+                                             "PARAM robot_front_laser_max 50.0 host 0\n"
+                                             "FLASER 3 1 50.0 3 0 0 0 0 0 1 1.0 host 1.0\n"));
+  ASSERT_TRUE(log.ok());
+  EXPECT_NEAR(log->scans[0].scan.bearing(0), -std::numbers::pi / 4.0, 1e-12);
+  EXPECT_NEAR(log->scans[0].scan.bearing(2), std::numbers::pi / 4.0, 1e-12);
+  EXPECT_FALSE(log->scans[0].scan.has_return(1));
+}
+
+TEST_F(LogReading, TellsTextLogsByTheirFirstLine) {
+  EXPECT_TRUE(
+      read_log(directory_.write("a.txt", std::string(kHeader) + R"({"t": 0, "ranges": [1, 1, 1]})"))
+          .ok());
+  EXPECT_TRUE(
+      read_log(directory_.write("b.txt", "FLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\n")).ok());
 }
 
 }  // namespace

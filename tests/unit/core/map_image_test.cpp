@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace cornerfix {
@@ -259,6 +260,38 @@ TEST_F(MapFiles, NameTheFileAndTheWrongKey) {
   ASSERT_FALSE(grid.ok());
   EXPECT_EQ(grid.error().field, (directory_ / "map.yaml").string());
   EXPECT_EQ(grid.error().message, "resolution: expected metres a cell above 0");
+}
+
+/// A room of 6 x 6 pixels whose walls have the given grey value, in unknown space.
+std::string room_pgm(int wall) {
+  std::string pgm = "P5 8 8 255\n";
+  for (int row = 0; row < 8; ++row) {
+    for (int column = 0; column < 8; ++column) {
+      const int ring = std::min({row, column, 7 - row, 7 - column});
+      pgm += bytes({ring == 0 ? 205 : ring == 1 ? wall : 254});
+    }
+  }
+  return pgm;
+}
+
+std::optional<std::string> advice(const std::string& yaml, const std::string& image) {
+  return threshold_advice(yaml, std::as_bytes(std::span(image)));
+}
+
+TEST(ThresholdAdvice, NamesAThresholdThatMakesWalls) {
+  EXPECT_EQ(advice(kYaml, room_pgm(100)),
+            "at occupied_thresh 0.65 only 0 % of the border of free space is wall; occupied_thresh "
+            "0.5 would make it 100 %");
+}
+
+TEST(ThresholdAdvice, SaysNothingWhereWallsAreWalls) {
+  EXPECT_EQ(advice(kYaml, room_pgm(0)), std::nullopt);
+  EXPECT_EQ(advice("nonsense", room_pgm(0)), std::nullopt);
+}
+
+TEST(ThresholdAdvice, OnlyComplainsWhereNoThresholdHelps) {
+  EXPECT_EQ(advice(kYaml, room_pgm(205)),
+            "at occupied_thresh 0.65 only 0 % of the border of free space is wall");
 }
 
 }  // namespace

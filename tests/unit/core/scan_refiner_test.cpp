@@ -94,7 +94,7 @@ TEST(ScanRefiner, LeavesAPoseAtTheAngleSeamThere) {
   const Pose2 truth{6.0, 5.0, kPi};
   const std::vector<Point2> points = points_seen(room, truth, 30.0, random);
   for (const double start_yaw : {kPi - 0.03, -kPi + 0.03}) {
-    const PosePrior prior{{6.0, 5.0, -start_yaw}, 0.05, 0.03};
+    const PosePrior prior = isotropic_prior({6.0, 5.0, -start_yaw}, 0.05, 0.03);
     EXPECT_THAT(
         refine_pose(room_field(), points, {6.0, 5.0, start_yaw}, {}, prior).T_frame_base_link,
         IsPoseNear(truth, 0.02, 0.01));
@@ -149,7 +149,7 @@ TEST(ScanRefiner, APriorPullsAlongTheBlindAxisAlone) {
   std::mt19937_64 random(3);
   const Pose2 truth{30.0, 1.0, 0.0};
   const std::vector<Point2> points = points_seen(corridor(), truth, 10.0, random);
-  const PosePrior prior{{30.5, 1.1, 0.0}, 0.2, 0.1};
+  const PosePrior prior = isotropic_prior({30.5, 1.1, 0.0}, 0.2, 0.1);
   const Pose2 refined = refine_pose(corridor_field(), points, truth, {}, prior).T_frame_base_link;
   EXPECT_NEAR(refined.x, 30.5, 0.05);
   EXPECT_NEAR(refined.y, 1.0, 0.02);
@@ -159,7 +159,7 @@ TEST(ScanRefiner, APriorHardlyPullsWhereTheWallsTell) {
   std::mt19937_64 random(4);
   const Pose2 truth{6.0, 5.0, 1.0};
   const std::vector<Point2> points = points_seen(testing::figure7_room(), truth, 30.0, random);
-  const PosePrior prior{{6.1, 4.9, 1.05}, 0.1, 0.05};
+  const PosePrior prior = isotropic_prior({6.1, 4.9, 1.05}, 0.1, 0.05);
   EXPECT_THAT(refine_pose(room_field(), points, truth, {}, prior).T_frame_base_link,
               IsPoseNear(truth, 0.02, 0.005));
 }
@@ -169,14 +169,14 @@ TEST(ScanRefiner, AFirmPriorHolds) {
   const std::vector<Point2> points =
       points_seen(testing::figure7_room(), {6.0, 5.0, 1.0}, 30.0, random);
   const Pose2 held{6.08, 4.95, 1.03};
-  EXPECT_THAT(
-      refine_pose(room_field(), points, held, {}, PosePrior{held, 1e-5, 1e-5}).T_frame_base_link,
-      IsPoseNear(held, 0.002, 0.002));
+  EXPECT_THAT(refine_pose(room_field(), points, held, {}, isotropic_prior(held, 1e-5, 1e-5))
+                  .T_frame_base_link,
+              IsPoseNear(held, 0.002, 0.002));
 }
 
 TEST(ScanRefiner, InformationDoesNotCountThePrior) {
-  const RefinedPose refined =
-      refine_pose(room_field(), std::vector<Point2>{{500.0, 0.0}}, {}, {}, PosePrior{{}, 0.1, 0.1});
+  const RefinedPose refined = refine_pose(room_field(), std::vector<Point2>{{500.0, 0.0}}, {}, {},
+                                          isotropic_prior({}, 0.1, 0.1));
   EXPECT_TRUE(refined.information.isZero());
 }
 
@@ -213,7 +213,7 @@ TEST(ScanRefiner, AFieldWithYawGivesTheSamePose) {
     const Pose2 truth{6.5, 4.5, 0.8};
     const std::vector<Point2> points = points_seen(room, truth, 30.0, random);
     const Pose2 start = perturbed(truth, 0.1, 0.04, random);
-    const PosePrior prior{start, 0.5, 0.3};
+    const PosePrior prior = isotropic_prior(start, 0.5, 0.3);
     const Pose2 T_map_grid = Pose2{5.0, 5.0, yaw} * Pose2{-9.0, -9.0, 0.0};
     const RefinedPose turned =
         refine_pose(field_of(room, T_map_grid, {18.0, 18.0}), points, start, {}, prior);

@@ -46,8 +46,8 @@ class Driver {
     last_odometry_ = scan.T_odom_base_link;
     if (!submap.empty()) {
       const Pose2 before = pose;
-      pose =
-          submap.match(points_base_link(scan), {before * motion, sigma, sigma}).T_frame_base_link;
+      pose = submap.match(points_base_link(scan), isotropic_prior(before * motion, sigma, sigma))
+                 .T_frame_base_link;
       last_motion_ = inverse(before) * pose;
     }
     if (submap.wants(pose)) {
@@ -264,7 +264,7 @@ TEST(Submap, RestoredFromItsScansIsTheSame) {
   EXPECT_EQ(numbers(positions(restored.features())), numbers(positions(driver.submap.features())));
   EXPECT_EQ(restored.next_index(), driver.submap.next_index());
   const Moment next = office_moments(26).back();
-  const PosePrior prior{driver.pose, 0.2, 0.2};
+  const PosePrior prior = isotropic_prior(driver.pose, 0.2, 0.2);
   EXPECT_EQ(restored.match(points_base_link(next.scan), prior).T_frame_base_link,
             driver.submap.match(points_base_link(next.scan), prior).T_frame_base_link);
 }
@@ -284,7 +284,7 @@ TEST(Submap, AScanWithoutReturnsMayBeKept) {
   submap.keep({0, {}, {}, {}}, {});
   EXPECT_EQ(submap.size(), 1U);
   EXPECT_TRUE(submap.evidence().ends.empty());
-  const PosePrior prior{{1.0, 0.0, 0.0}, 0.1, 0.1};
+  const PosePrior prior = isotropic_prior({1.0, 0.0, 0.0}, 0.1, 0.1);
   const std::vector<Point2> points{{2.0, 0.0}, {0.0, 3.0}};
   EXPECT_THAT(submap.match(points, prior).T_frame_base_link,
               IsPoseNear(prior.T_frame_base_link, 1e-6, 1e-6));

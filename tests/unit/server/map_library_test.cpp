@@ -4,6 +4,8 @@
 
 #include <thread>
 
+#include <cornerfix/map_image.hpp>
+
 #include "unit/server/service_fixture.hpp"
 
 namespace cornerfix::server {
@@ -278,6 +280,34 @@ TEST_F(UnposedDriveTest, IsRefusedWhereItGoesBackInTime) {
   EXPECT_EQ(refused.error().field, "/scans/0/stamp");
   EXPECT_EQ(maps_.find("office")->digest, before.digest);
   EXPECT_TRUE(maps_.grow("office", part(30, 5)));
+}
+
+TEST_F(UnposedDriveTest, GoesOnInACopyOfItsArchive) {
+  ASSERT_TRUE(maps_.grow("office", part(0, 30)));
+  const auto archive = maps_.archive("office");
+  ASSERT_TRUE(archive);
+  const auto copy = maps_.restore("copy", *archive);
+  ASSERT_TRUE(copy) << copy.error().message;
+  EXPECT_TRUE(copy->drifts);
+  EXPECT_EQ(copy->digest, maps_.find("office")->digest);
+  EXPECT_FALSE(maps_.grow("copy", testing::mapping_drive()));
+  ASSERT_TRUE(maps_.grow("copy", part(30, 10)));
+  ASSERT_TRUE(maps_.load("copy"));
+  EXPECT_TRUE(maps_.find("copy")->drifts);
+}
+
+TEST_F(UnposedDriveTest, AndAFloorMapMakeNoMapTogether) {
+  ASSERT_TRUE(maps_.grow("office", part(0, 10)));
+  const OccupancyGrid grid = (*maps_.load("office"))->grid();
+  const std::string yaml = encode_grid_yaml(grid, "office.png");
+  const std::vector<std::byte> image = encode_grid_png(grid);
+  const auto drawn_over = maps_.put_floor_map("office", yaml, image);
+  ASSERT_FALSE(drawn_over);
+  EXPECT_EQ(drawn_over.error().code, ErrorCode::kConflict);
+  ASSERT_TRUE(maps_.put_floor_map("plan", yaml, image));
+  const auto driven_over = maps_.grow("plan", part(0, 10));
+  ASSERT_FALSE(driven_over);
+  EXPECT_EQ(driven_over.error().code, ErrorCode::kConflict);
 }
 
 TEST_F(UnposedDriveTest, TakesATrajectoryThatWasOptimisedElsewhere) {

@@ -459,5 +459,56 @@ TEST_F(MapStoreTest, LosesNothingWhenTwoServersGrowOneMap) {
             grown.digest);
 }
 
+OccupancyGrid small_plan(Cell first) {
+  OccupancyGrid grid{
+      .resolution = 0.1, .T_map_grid = {1, 2, 3}, .width = 2, .height = 1, .cells = {}};
+  grid.cells = {first, Cell::kOccupied};
+  return grid;
+}
+
+TEST_F(MapStoreTest, MakesAMapOfAFloorMapAndReplacesIt) {
+  const OccupancyGrid plan = small_plan(Cell::kFree);
+  EXPECT_TRUE(store_.put_floor_map("plan", {.grid = plan, .feature_count = 4}, "t1").value());
+  const MapInfo first = store_.find("plan").value();
+  EXPECT_TRUE(first.has_floor_map);
+  EXPECT_EQ(first.revision, 1U);
+  EXPECT_EQ(first.feature_count, 4U);
+  EXPECT_EQ(store_.floor_map(first.id).value(), plan);
+
+  const OccupancyGrid other = small_plan(Cell::kUnknown);
+  EXPECT_FALSE(store_.put_floor_map("plan", {.grid = other}, "t2").value());
+  const MapInfo second = store_.find("plan").value();
+  EXPECT_EQ(second.revision, 2U);
+  EXPECT_NE(second.digest, first.digest);
+  EXPECT_EQ(store_.floor_map(second.id).value(), other);
+}
+
+TEST_F(MapStoreTest, TheSameFloorMapAgainChangesNothing) {
+  const OccupancyGrid plan = small_plan(Cell::kFree);
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = plan}, "t1"));
+  const std::string before = dump();
+  EXPECT_FALSE(store_.put_floor_map("plan", {.grid = plan}, "t2").value());
+  EXPECT_EQ(dump(), before);
+}
+
+TEST_F(MapStoreTest, AFloorMapAndScansExcludeEachOther) {
+  const OccupancyGrid plan = small_plan(Cell::kFree);
+  grow(make_map(), 2);
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = plan}, "t1"));
+  const std::string before = dump();
+  EXPECT_EQ(store_.put_floor_map("office", {.grid = plan}, "t2").error().code,
+            ErrorCode::kConflict);
+  const MapInfo map = store_.find("plan").value();
+  EXPECT_EQ(store_.grow(map.id, map.revision, growth({}, {}), "t2").error().code,
+            ErrorCode::kConflict);
+  EXPECT_EQ(dump(), before);
+}
+
+TEST_F(MapStoreTest, AFloorMapGoesWithItsMap) {
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = small_plan(Cell::kFree)}, "t1"));
+  ASSERT_TRUE(store_.remove("plan"));
+  EXPECT_EQ(count("map_grids"), 0);
+}
+
 }  // namespace
 }  // namespace cornerfix::storage

@@ -1,0 +1,133 @@
+#include "cli/bag/decompress.hpp"
+
+#include <bzlib.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace cornerfix::cli {
+
+namespace {
+
+Error malformed(std::string message) { return {ErrorCode::kMalformed, std::move(message), ""}; }
+
+/// Output that grows block by block up to the size that was told and one byte more, by which too
+/// much is noticed.
+class Output {
+ public:
+  explicit Output(std::size_t told) : limit_(told + 1) {}
+
+  /// Room for the next bytes; empty when the limit is reached.
+  std::span<std::byte> room() {
+    constexpr std::size_t kBlockBytes = std::size_t{1} << 20U;
+    if (bytes_.size() == used_) bytes_.resize(std::min(limit_, used_ + kBlockBytes));
+    return std::span(bytes_).subspan(used_);
+  }
+  void use(std::size_t count) { used_ += count; }
+
+  Result<std::vector<std::byte>> take() && {
+    if (used_ + 1 != limit_) {
+      return malformed("the chunk unpacks to " + std::string(used_ == limit_ ? "more" : "fewer") +
+                       " bytes than the " + std::to_string(limit_ - 1) + " told");
+    }
+    bytes_.resize(used_);
+    return std::move(bytes_);
+  }
+
+ private:
+  std::size_t limit_;
+  std::size_t used_ = 0;
+  std::vector<std::byte> bytes_;
+};
+
+// The C interfaces take characters.
+char* as_chars(std::byte* bytes) { return reinterpret_cast<char*>(bytes); }  // NOLINT
+
+Result<std::vector<std::byte>> unpack_bz2(std::span<const std::byte> packed, std::size_t size) {
+  bz_stream stream{};
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return malformed("bz2 cannot start");
+  const std::unique_ptr<bz_stream, int (*)(bz_stream*)> end(&stream, BZ2_bzDecompressEnd);
+  stream.next_in = as_chars(const_cast<std::byte*>(packed.data()));  // NOLINT: only read
+  stream.avail_in = static_cast<unsigned>(packed.size());
+  Output output(size);
+  int status = BZ_OK;
+  while (status == BZ_OK) {
+    const std::span<std::byte> room = output.room();
+    if (room.empty()) break;
+    stream.next_out = as_chars(room.data());
+    stream.avail_out = static_cast<unsigned>(room.size());
+    const unsigned in_before = stream.avail_in;
+    status = BZ2_bzDecompress(&stream);
+    const std::size_t written = room.size() - stream.avail_out;
+    output.use(written);
+    if (status == BZ_OK && written == 0 && stream.avail_in == in_before) break;
+  }
+  if (status != BZ_OK && status != BZ_STREAM_END) return malformed("the bz2 chunk is damaged");
+  return std::move(output).take();
+}
+
+Result<std::vector<std::byte>> unpack_lz4(std::span<const std::byte> packed, std::size_t size) {
+  LZ4F_dctx* context = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) {
+    return malformed("lz4 cannot start");
+  }
+  const std::unique_ptr<LZ4F_dctx, LZ4F_errorCode_t (*)(LZ4F_dctx*)> end(
+      context, LZ4F_freeDecompressionContext);
+  Output output(size);
+  std::size_t wanted = 1;
+  while (wanted != 0) {
+    const std::span<std::byte> room = output.room();
+    std::size_t written = room.size();
+    std::size_t read = packed.size();
+    wanted = LZ4F_decompress(context, room.data(), &written, packed.data(), &read, nullptr);
+    if (LZ4F_isError(wanted) != 0U) return malformed("the lz4 chunk is damaged");
+    output.use(written);
+    packed = packed.subspan(read);
+    if (written == 0 && read == 0) break;
+  }
+  return std::move(output).take();
+}
+
+Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, std::size_t size) {
+  const std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> stream(ZSTD_createDStream(),
+                                                                             ZSTD_freeDStream);
+  if (stream == nullptr) return malformed("zstd cannot start");
+  Output output(size);
+  ZSTD_inBuffer in{packed.data(), packed.size(), 0};
+  std::size_t wanted = 1;
+  while (wanted != 0) {
+    const std::span<std::byte> room = output.room();
+    const std::size_t in_before = in.pos;
+    ZSTD_outBuffer out{room.data(), room.size(), 0};
+    wanted = ZSTD_decompressStream(stream.get(), &out, &in);
+    if (ZSTD_isError(wanted) != 0U) return malformed("the zstd chunk is damaged");
+    output.use(out.pos);
+    if (out.pos == 0 && in.pos == in_before) break;
+  }
+  return std::move(output).take();
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> decompress(std::string_view compression,
+                                          std::span<const std::byte> packed, std::size_t size) {
+  if (size > kMaxChunkBytes) {
+    return Error{ErrorCode::kTooLarge,
+                 "a chunk of " + std::to_string(size) + " bytes, above the limit of " +
+                     std::to_string(kMaxChunkBytes),
+                 ""};
+  }
+  if (compression == "bz2") return unpack_bz2(packed, size);
+  if (compression == "lz4") return unpack_lz4(packed, size);
+  if (compression == "zstd") return unpack_zstd(packed, size);
+  if (compression.empty() || compression == "none") {
+    if (packed.size() != size) return malformed("the chunk has not the size told");
+    return std::vector<std::byte>(packed.begin(), packed.end());
+  }
+  return malformed("unknown compression '" + std::string(compression) + "'");
+}
+
+}  // namespace cornerfix::cli

@@ -1,0 +1,50 @@
+/// \file  The messages of a drive, of ROS 1 and ROS 2 alike, as far as they are of use here.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cornerfix/laser_scan.hpp>
+#include <cornerfix/result.hpp>
+
+#include "cli/bag/wire_reader.hpp"
+
+namespace cornerfix::cli {
+
+enum class MessageKind { kLaserScan, kOdometry, kTransforms };
+
+/// "sensor_msgs/LaserScan", "sensor_msgs/msg/LaserScan"; nothing for a type of no use here.
+[[nodiscard]] std::optional<MessageKind> message_kind(std::string_view type);
+
+/// sensor_msgs/LaserScan. The stamp is 0 where the driver left it out.
+struct LaserScanMessage {
+  std::string frame;
+  LaserScan scan;
+};
+
+/// geometry_msgs/TransformStamped: takes points of `child` into `parent` from `stamp` [s] on.
+struct StampedTransform {
+  double stamp = 0.0;
+  std::string parent;
+  std::string child;
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
+};
+
+/// Frames come without a leading slash. A message that ends too early, a length that it cannot
+/// hold, more beams than any lidar has, numbers that are not finite and rotations that are none are
+/// errors.
+[[nodiscard]] Result<LaserScanMessage> parse_laser_scan(std::span<const std::byte> bytes,
+                                                        WireFormat format);
+/// nav_msgs/Odometry, as the transform from its child frame.
+[[nodiscard]] Result<StampedTransform> parse_odometry(std::span<const std::byte> bytes,
+                                                      WireFormat format);
+/// tf/tfMessage and tf2_msgs/TFMessage.
+[[nodiscard]] Result<std::vector<StampedTransform>> parse_transforms(
+    std::span<const std::byte> bytes, WireFormat format);
+
+}  // namespace cornerfix::cli

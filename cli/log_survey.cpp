@@ -1,0 +1,25 @@
+#include "cli/log_survey.hpp"
+
+#include "cli/progress.hpp"
+
+namespace cornerfix::cli {
+
+Result<LogSurvey> survey_log(const std::filesystem::path& path, const std::string& lidar,
+                             std::size_t stride) {
+  Result<LogReader> reader = LogReader::open(path, lidar);
+  if (!reader) return reader.error();
+  LogSurvey survey;
+  Progress progress("reading");
+  for (std::size_t index = 0; const auto scan = reader->next(); ++index) {
+    progress.update(reader->progress());
+    if (index % stride != 0) continue;
+    ++survey.scans;
+    if (!scan->T_map_laser) continue;
+    ++survey.posed_scans;
+    if (scan->is_key_scan) ++survey.posed_key_scans;
+  }
+  survey.remarks = remarks(*reader);
+  return survey;
+}
+
+}  // namespace cornerfix::cli

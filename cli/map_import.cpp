@@ -1,0 +1,70 @@
+#include "cli/map_import.hpp"
+
+#include <cornerfix/map_image.hpp>
+
+#include <cstdio>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "api/requests.hpp"
+#include "cli/command.hpp"
+#include "server/map_library.hpp"
+#include "server/store_access.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+/// What the map became.
+struct Imported {
+  std::size_t features = 0;
+  std::uint64_t revision = 0;
+  std::vector<std::string> warnings;
+};
+
+Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles files) {
+  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  if (!server) return server.error();
+  HttpRequest request{"PUT", "/v1/maps/" + percent_encode(arguments.name) + "/grid"};
+  request.form = {{"yaml", arguments.yaml, std::move(files.yaml)},
+                  {"image", files.image_path.string(), std::move(files.image)}};
+  const Result<nlohmann::json> answer = server->call(request);
+  if (!answer) return answer.error();
+  if (!answer->is_object()) return Imported{};  // Nothing was sent.
+  return Imported{answer->value("features", std::size_t{0}),
+                  answer->value("revision", std::uint64_t{0}),
+                  answer->value("warnings", std::vector<std::string>{})};
+}
+
+Result<Imported> import_into_file(const MapImportArguments& arguments, const MapFiles& files) {
+  if (!api::is_valid_name(arguments.name)) {
+    return Error{ErrorCode::kInvalidArgument, "is no name for a map", arguments.name};
+  }
+  const auto stores = server::StoreAccess::open(arguments.database);
+  if (!stores) return stores.error();
+  server::MapLibrary library(*stores, {}, utc_now_text);
+  auto report =
+      library.put_floor_map(arguments.name, files.yaml, std::as_bytes(std::span(files.image)));
+  if (!report) return report.error();
+  return Imported{report->info.feature_count, report->info.revision, std::move(report->warnings)};
+}
+
+}  // namespace
+
+int run_map_import(const MapImportArguments& arguments) {
+  Result<MapFiles> files = load_map_files(arguments.yaml);
+  if (!files) return fail(files.error());
+  const Result<Imported> imported = arguments.database.empty()
+                                        ? import_over_http(arguments, std::move(*files))
+                                        : import_into_file(arguments, *files);
+  if (!imported) return fail(imported.error());
+  if (arguments.connection.print_curl) return kDone;
+  for (const std::string& warning : imported->warnings)
+    std::fprintf(stderr, "%s: %s\n", arguments.yaml.c_str(), warning.c_str());
+  std::printf("%s: %zu features, revision %llu\n", arguments.name.c_str(), imported->features,
+              static_cast<unsigned long long>(imported->revision));
+  return kDone;
+}
+
+}  // namespace cornerfix::cli

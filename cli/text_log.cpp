@@ -1,0 +1,67 @@
+#include <utility>
+
+#include "cli/line_reader.hpp"
+#include "cli/log_source.hpp"
+#include "cli/scan_parser.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+/// A log of lines, each of which holds a scan, something else, or nonsense.
+class TextLog final : public LogSource {
+ public:
+  TextLog(LineReader lines, std::unique_ptr<ScanParser> parser)
+      : lines_(std::move(lines)), parser_(std::move(parser)) {}
+
+  std::optional<LogScan> next(LogFaults& faults) override {
+    while (true) {
+      const Result<bool> more = lines_.next();
+      if (!more) faults.add(place(), more.error().message);
+      if (!more || !*more) return std::nullopt;
+      Result<std::optional<LogScan>> scan = parser_->parse(lines_.line());
+      if (!scan) {
+        faults.add(place(), scan.error().message);
+      } else if (*scan) {
+        header_ = parser_->header();
+        return std::move(*scan);
+      }
+      if (header_.beams == 0 && faults.count() >= kMaxFaultsBeforeAScan) return std::nullopt;
+    }
+  }
+
+  [[nodiscard]] double progress() const override { return lines_.progress(); }
+
+ private:
+  /// More broken lines than this in front of the first scan, and the file is no log.
+  static constexpr std::size_t kMaxFaultsBeforeAScan = 100;
+
+  [[nodiscard]] std::string place() const {
+    return "line " + std::to_string(lines_.line_number()) + ", byte " +
+           std::to_string(lines_.line_offset());
+  }
+
+  LineReader lines_;
+  std::unique_ptr<ScanParser> parser_;
+};
+
+Result<std::unique_ptr<LogSource>> open_text_log(const std::filesystem::path& path,
+                                                 std::unique_ptr<ScanParser> parser) {
+  Result<LineReader> lines = LineReader::open(path);
+  if (!lines) return lines.error();
+  return std::unique_ptr<LogSource>(
+      std::make_unique<TextLog>(std::move(*lines), std::move(parser)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LogSource>> open_json_lines_log(const std::filesystem::path& path) {
+  return open_text_log(path, make_json_lines_parser());
+}
+
+Result<std::unique_ptr<LogSource>> open_carmen_log(const std::filesystem::path& path,
+                                                   const std::string& lidar) {
+  return open_text_log(path, make_carmen_parser(lidar));
+}
+
+}  // namespace cornerfix::cli

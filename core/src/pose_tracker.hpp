@@ -1,0 +1,49 @@
+/// \file  Follows a robot whose place in the map is known: a filter on the transform between submap
+/// and map, and the judgement whether its scans still fit.
+///
+/// The submap carries the pose from scan to scan; the map only corrects its slow drift. So a scan
+/// that shows walls which the map does not know, or knows from their other side, cannot pull the
+/// pose away.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+#include <cornerfix/localization_map.hpp>
+#include <cornerfix/pose2.hpp>
+
+namespace cornerfix {
+
+/// What one scan said of the pose.
+enum class TrackingVerdict {
+  kFits,       ///< It lies on the walls.
+  kMisfits,    ///< It does not.
+  kNoReturns,  ///< It shows nothing.
+};
+
+/// Value type; keeps no map.
+class PoseTracker {
+ public:
+  PoseTracker() = default;
+  explicit PoseTracker(const Pose2& T_map_base_link);
+
+  /// The robot moved by `motion`, from base_link to base_link.
+  /// \param matched  Whether scan matching confirms the motion, or odometry alone tells it.
+  void predict(const Pose2& motion, bool matched);
+
+  /// Lays the scan on the map. \param points  In base_link. \param laser  From where, in base_link.
+  TrackingVerdict update(const LocalizationMap& map, std::span<const Point2> points,
+                         const Point2& laser);
+
+  [[nodiscard]] const Pose2& T_map_base_link() const { return T_map_base_link_; }
+  /// Of x, y, yaw along the axes of the map; what the map itself may be off by is added.
+  [[nodiscard]] Eigen::Matrix3d covariance() const;
+
+ private:
+  Pose2 T_map_base_link_;
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+  std::optional<double> usual_fit_;  ///< Share of a scan's ends on mapped ground that are on walls.
+};
+
+}  // namespace cornerfix

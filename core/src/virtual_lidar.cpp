@@ -1,0 +1,84 @@
+#include <cornerfix/virtual_lidar.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+namespace cornerfix {
+namespace {
+
+constexpr std::size_t kBeams = 1080;
+constexpr double kRangeMax = 12.0;       // [m]
+constexpr double kMaxUnknownWay = 0.25;  // [m]
+
+/// What stops beams is occupied: walls, and the unknown away from all that is known.
+OccupancyGrid opaque(const OccupancyGrid& floor_map) {
+  cv::Mat unknown(floor_map.height, floor_map.width, CV_8UC1);
+  std::transform(floor_map.cells.begin(), floor_map.cells.end(), unknown.begin<std::uint8_t>(),
+                 [](Cell cell) { return cell == Cell::kUnknown ? 255 : 0; });
+  cv::Mat cells_to_known;
+  cv::distanceTransform(unknown, cells_to_known, cv::DIST_L2, cv::DIST_MASK_3, CV_32F);
+  const auto limit = static_cast<float>(0.5 * kMaxUnknownWay / floor_map.resolution);
+  OccupancyGrid grid = floor_map;
+  const auto* distance = cells_to_known.ptr<float>();
+  for (std::size_t i = 0; i < grid.cells.size(); ++i) {
+    if (grid.cells[i] != Cell::kUnknown) continue;
+    grid.cells[i] = distance[i] > limit ? Cell::kOccupied : Cell::kFree;
+  }
+  return grid;
+}
+
+}  // namespace
+
+VirtualLidar::VirtualLidar(const OccupancyGrid& floor_map)
+    : floor_map_(floor_map), caster_(opaque(floor_map)) {}
+
+std::vector<Point2> VirtualLidar::viewpoints(double lattice_m, double clearance_m) const {
+  struct Best {
+    double clearance = 0.0;
+    Point2 point_map = Point2::Zero();
+  };
+  const double lattice_cells = std::max(1.0, lattice_m / floor_map_.resolution);
+  const auto square_of = [&](int cell) { return static_cast<std::size_t>(cell / lattice_cells); };
+  const std::size_t columns = square_of(floor_map_.width) + 1;
+  std::vector<Best> squares(columns * (square_of(floor_map_.height) + 1));
+  for (int row = 0; row < floor_map_.height; ++row) {
+    for (int column = 0; column < floor_map_.width; ++column) {
+      if (floor_map_.at({column, row}) != Cell::kFree) continue;
+      const Point2 point_map = floor_map_.T_map_grid * floor_map_.center({column, row});
+      const double clearance = caster_.clearance(point_map);
+      Best& best = squares[square_of(row) * columns + square_of(column)];
+      if (clearance > best.clearance) best = {clearance, point_map};
+    }
+  }
+  std::vector<Point2> viewpoints;
+  for (const Best& best : squares) {
+    if (best.clearance >= clearance_m) viewpoints.push_back(best.point_map);
+  }
+  return viewpoints;
+}
+
+LaserScan VirtualLidar::scan(const Point2& viewpoint_map) const {
+  const LaserScan lidar{.stamp = 0.0,
+                        .angle_min = -std::numbers::pi,
+                        .angle_increment = 2.0 * std::numbers::pi / kBeams,
+                        .range_min = 0.0,
+                        .range_max = kRangeMax,
+                        .ranges = {}};
+  LaserScan scan = caster_.scan(lidar, kBeams, {viewpoint_map.x(), viewpoint_map.y(), 0.0});
+  const Pose2 T_grid_map = inverse(floor_map_.T_map_grid);
+  const double into_cell = 1e-3 * floor_map_.resolution;
+  for (std::size_t beam = 0; beam < kBeams; ++beam) {
+    if (!scan.has_return(beam)) continue;
+    const double range = static_cast<double>(scan.ranges[beam]) + into_cell;
+    const Point2 direction{std::cos(scan.bearing(beam)), std::sin(scan.bearing(beam))};
+    const Point2 end_grid = T_grid_map * Point2(viewpoint_map + range * direction);
+    if (floor_map_.at(floor_map_.cell_of(end_grid)) != Cell::kOccupied)
+      scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return scan;
+}
+
+}  // namespace cornerfix

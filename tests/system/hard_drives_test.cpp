@@ -1,0 +1,243 @@
+// What goes wrong with real robots, each by its name: simulated drives through a real floor plan,
+// asked of the localizer itself. Whatever happens, a pose that is said must be the true one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <cornerfix/localizer.hpp>
+#include <cornerfix/map_image.hpp>
+
+#include "cli/drive_simulator.hpp"
+#include "cli/evaluation.hpp"
+
+namespace cornerfix::cli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRightMetres = 0.5;
+constexpr double kRightRadians = 5.0 * kPi / 180.0;
+constexpr std::uint64_t kSeeds[] = {11, 12, 13};
+
+const OccupancyGrid& building() {
+  static const OccupancyGrid grid =
+      *read_map_files(CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml");
+  return grid;
+}
+
+/// Of the whole building, made once: by a lidar that sees far.
+const LocalizationMapPtr& building_map() {
+  static const LocalizationMapPtr map = [] {
+    const auto log =
+        simulate_drive(building(), {.beams = 541, .length_m = 500.0, .step_m = 0.4, .seed = 1});
+    return map_from(*log, log->scans.size(), {}).map;
+  }();
+  return map;
+}
+
+/// A robot's drive; three in the building, from other places.
+struct Moment {
+  RobotScan scan;
+  Pose2 T_map_base_link;
+};
+
+std::vector<Moment> moments_of(DriveOptions options, std::uint64_t seed) {
+  options.seed = seed;
+  const auto log = simulate_drive(building(), options);
+  EXPECT_TRUE(log.ok()) << log.error().message;
+  std::vector<Moment> moments;
+  for (const LogScan& scan : log->scans) {
+    moments.push_back({{scan.scan, Pose2{}, scan.T_odom_laser}, *scan.T_map_laser});
+  }
+  return moments;
+}
+
+DriveOptions drive_with(double field_of_view_rad, std::size_t beams, double range_max_m) {
+  return {.field_of_view_rad = field_of_view_rad,
+          .beams = beams,
+          .range_max_m = range_max_m,
+          .length_m = 25.0,
+          .step_m = 0.25};
+}
+
+/// 270 degrees, 541 beams, 30 m.
+DriveOptions usual_drive() { return drive_with(1.5 * kPi, 541, 30.0); }
+
+struct Outcome {
+  std::size_t localized = 0;
+  std::size_t wrong = 0;  ///< Of those.
+  bool ends_localized = false;
+};
+
+Outcome outcome_of(const std::vector<Moment>& moments) {
+  Localizer localizer({building_map()}, {});
+  Outcome outcome;
+  for (const Moment& moment : moments) {
+    const Answer answer = localizer.process(moment.scan);
+    outcome.ends_localized = answer.pose.has_value();
+    if (!answer.pose) continue;
+    ++outcome.localized;
+    const Pose2& pose = answer.pose->T_map_base_link;
+    const bool right = distance(pose, moment.T_map_base_link) <= kRightMetres &&
+                       angle_between(pose, moment.T_map_base_link) <= kRightRadians;
+    outcome.wrong += right ? 0 : 1;
+  }
+  return outcome;
+}
+
+using Trouble = std::function<void(std::vector<Moment>&, std::mt19937_64&)>;
+
+/// Every drive ends with the robot knowing where it is, and none was ever told a wrong pose.
+void expect_found(const DriveOptions& options, const Trouble& trouble = {}) {
+  for (const std::uint64_t seed : kSeeds) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::vector<Moment> moments = moments_of(options, seed);
+    std::mt19937_64 random(seed);
+    if (trouble) trouble(moments, random);
+    const Outcome outcome = outcome_of(moments);
+    EXPECT_EQ(outcome.wrong, 0U) << "of " << outcome.localized;
+    EXPECT_TRUE(outcome.ends_localized)
+        << "of " << moments.size() << " scans " << outcome.localized << " localized";
+  }
+}
+
+/// What odometry tells of the way between scans, told otherwise.
+void retell_odometry(std::vector<Moment>& moments,
+                     const std::function<Pose2(const Pose2&)>& retell) {
+  Pose2 T_before = *moments.front().scan.T_odom_base_link;
+  Pose2 T_told = T_before;
+  for (std::size_t i = 1; i < moments.size(); ++i) {
+    Pose2& T_odom_base_link = *moments[i].scan.T_odom_base_link;
+    const Pose2 motion = inverse(T_before) * T_odom_base_link;
+    T_before = T_odom_base_link;
+    T_told = T_told * retell(motion);
+    T_odom_base_link = T_told;
+  }
+}
+
+TEST(HardDrives, WithoutOdometry) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, auto&) {
+    for (Moment& moment : moments) moment.scan.T_odom_base_link.reset();
+  });
+}
+
+TEST(HardDrives, OdometryThatIsTenPerCentTooLong) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, auto&) {
+    retell_odometry(moments, [](const Pose2& motion) {
+      return Pose2{1.1 * motion.x, 1.1 * motion.y, 1.1 * motion.yaw};
+    });
+  });
+}
+
+TEST(HardDrives, OdometryThatIsTenPerCentTooShort) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, auto&) {
+    retell_odometry(moments, [](const Pose2& motion) {
+      return Pose2{0.9 * motion.x, 0.9 * motion.y, 0.9 * motion.yaw};
+    });
+  });
+}
+
+/// The wheels turn and the robot does not move, twice on the way.
+TEST(HardDrives, WheelsThatSlipByHalfAMetre) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, auto&) {
+    std::size_t scan = 0;
+    retell_odometry(moments, [&](const Pose2& motion) {
+      const bool slips = ++scan == 20 || scan == 60;
+      return slips ? motion * Pose2{0.5, 0.0, 0.0} : motion;
+    });
+  });
+}
+
+TEST(HardDrives, TwoOfThreeScansMissing) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, std::mt19937_64& random) {
+    std::erase_if(moments, [&](const Moment&) { return random() % 3 != 0; });
+  });
+}
+
+/// For two metres nothing comes from the lidar.
+TEST(HardDrives, AGapInTheScans) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, auto&) {
+    moments.erase(moments.begin() + 30, moments.begin() + 38);
+  });
+}
+
+/// The laser sits at the robot's front left corner and looks outwards.
+TEST(HardDrives, ALaserThatIsMountedAtACorner) {
+  expect_found(usual_drive(), [](std::vector<Moment>& moments, auto&) {
+    const Pose2 T_base_link_laser{0.4, 0.25, kPi / 4.0};
+    for (Moment& moment : moments) {
+      moment.scan.T_base_link_laser = T_base_link_laser;
+      moment.scan.T_odom_base_link = *moment.scan.T_odom_base_link * inverse(T_base_link_laser);
+      moment.T_map_base_link = moment.T_map_base_link * inverse(T_base_link_laser);
+    }
+  });
+}
+
+TEST(HardDrives, ALaserThatHangsUpsideDownIsNotMisled) {
+  for (const std::uint64_t seed : kSeeds) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::vector<Moment> moments = moments_of(usual_drive(), seed);
+    for (Moment& moment : moments) std::ranges::reverse(moment.scan.scan.ranges);
+    EXPECT_EQ(outcome_of(moments).wrong, 0U);
+  }
+}
+
+/// A laser that nods by five degrees sees the floor where it should see far walls. The robot may
+/// stay without an answer; it must not be misled.
+TEST(HardDrives, ALaserThatLooksDownByFiveDegreesIsNotMisled) {
+  constexpr double kHeight = 0.4;  // [m] above the floor
+  const double pitch = 5.0 * kPi / 180.0;
+  for (const std::uint64_t seed : kSeeds) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::vector<Moment> moments = moments_of(usual_drive(), seed);
+    for (Moment& moment : moments) {
+      LaserScan& scan = moment.scan.scan;
+      for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+        const double slope = std::sin(pitch) * std::cos(scan.bearing(beam));
+        const double flat = std::sqrt(1.0 - slope * slope);
+        const double to_floor = slope > 0.0 ? kHeight / slope : scan.range_max + 1.0;
+        const double to_wall = static_cast<double>(scan.ranges[beam]) / flat;
+        scan.ranges[beam] = static_cast<float>(std::fmin(to_wall, to_floor));
+      }
+    }
+    EXPECT_EQ(outcome_of(moments).wrong, 0U);
+  }
+}
+
+struct NamedLidar {
+  const char* name;
+  double field_of_view_rad;
+  std::size_t beams;
+  double range_max_m;
+};
+
+class HardDrivesWithLidar : public testing::TestWithParam<NamedLidar> {};
+
+TEST_P(HardDrivesWithLidar, FindTheRobot) {
+  const NamedLidar& lidar = GetParam();
+  expect_found(drive_with(lidar.field_of_view_rad, lidar.beams, lidar.range_max_m));
+}
+
+INSTANTIATE_TEST_SUITE_P(Lidars, HardDrivesWithLidar,
+                         testing::Values(NamedLidar{"180deg_180beams_8m", kPi, 180, 8.0},
+                                         NamedLidar{"180deg_361beams_80m", kPi, 361, 80.0},
+                                         NamedLidar{"270deg_1081beams_30m", 1.5 * kPi, 1081, 30.0},
+                                         NamedLidar{"360deg_360beams_12m", 2.0 * kPi, 360, 12.0},
+                                         NamedLidar{"360deg_2000beams_80m", 2.0 * kPi, 2000, 80.0}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+/// Four metres are too few to be found soon in a large building, but never a reason for a wrong
+/// pose.
+TEST(HardDrives, ALidarThatSeesFourMetresIsNotMisled) {
+  for (const std::uint64_t seed : kSeeds) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Outcome outcome = outcome_of(moments_of(drive_with(2.0 * kPi, 360, 4.0), seed));
+    EXPECT_EQ(outcome.wrong, 0U) << "of " << outcome.localized;
+  }
+}
+
+}  // namespace
+}  // namespace cornerfix::cli

@@ -1,0 +1,88 @@
+#include "cli/bag/frame_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace cornerfix::cli {
+namespace {
+
+StampedTransform moved(double stamp, std::string parent, std::string child, double x,
+                       double yaw = 0.0) {
+  StampedTransform transform{stamp, std::move(parent), std::move(child),
+                             Eigen::Isometry3d::Identity()};
+  transform.T_parent_child.translation().x() = x;
+  transform.T_parent_child.linear() =
+      Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return transform;
+}
+
+constexpr auto kStatic = FrameTree::Origin::kStatic;
+constexpr auto kTf = FrameTree::Origin::kTf;
+constexpr auto kOdometry = FrameTree::Origin::kOdometry;
+
+TEST(FrameTree, InterpolatesBetweenStampsTheShortWayRound) {
+  FrameTree frames;
+  frames.add(moved(1.0, "odom", "laser", 2.0, 3.1), kTf);
+  frames.add(moved(2.0, "odom", "laser", 3.0, -3.1), kTf);
+  const auto found = frames.find("odom", "laser", 1.5);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->is_final);
+  EXPECT_NEAR(found->T_ancestor_frame.translation().x(), 2.5, 1e-12);
+  EXPECT_NEAR(found->T_ancestor_frame(0, 0), std::cos(std::numbers::pi), 1e-9);
+}
+
+TEST(FrameTree, HoldsTheLastTransformForAMomentOnly) {
+  FrameTree frames;
+  frames.add(moved(1.0, "odom", "laser", 2.0), kTf);
+  const auto soon = frames.find("odom", "laser", 1.05);
+  ASSERT_TRUE(soon);
+  EXPECT_FALSE(soon->is_final);
+  EXPECT_FALSE(frames.find("odom", "laser", 1.5));
+  EXPECT_FALSE(frames.find("odom", "laser", 0.9));
+}
+
+TEST(FrameTree, DoesNotBridgeALongGap) {
+  FrameTree frames;
+  frames.add(moved(1.0, "odom", "laser", 2.0), kTf);
+  frames.add(moved(3.0, "odom", "laser", 4.0), kTf);
+  EXPECT_FALSE(frames.find("odom", "laser", 2.0));
+  EXPECT_TRUE(frames.find("odom", "laser", 3.0));
+}
+
+TEST(FrameTree, FindsFramesWithPrefixAndSuffix) {
+  FrameTree frames;
+  frames.add(moved(1.0, "robot/odom_combined", "robot/laser", 2.0), kStatic);
+  EXPECT_TRUE(frames.find("odom", "robot/laser", 7.0));
+  EXPECT_FALSE(frames.find("map", "robot/laser", 7.0));
+}
+
+TEST(FrameTree, PrefersTfToOdometryMessages) {
+  FrameTree frames;
+  frames.add(moved(1.0, "odom", "base_link", 1.0), kOdometry);
+  frames.add(moved(1.0, "odom", "base_link", 2.0), kTf);
+  frames.add(moved(1.1, "odom", "base_link", 3.0), kOdometry);
+  const auto found = frames.find("odom", "base_link", 1.0);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->T_ancestor_frame.translation().x(), 2.0);
+}
+
+TEST(FrameTree, ComesToAnEndInACycle) {
+  FrameTree frames;
+  frames.add(moved(1.0, "a", "b", 1.0), kStatic);
+  frames.add(moved(1.0, "b", "a", 1.0), kStatic);
+  EXPECT_FALSE(frames.find("map", "a", 1.0));
+}
+
+TEST(FrameTree, StartsAnewWhenTheClockWasSetBack) {
+  FrameTree frames;
+  frames.add(moved(1000.0, "odom", "laser", 1.0), kTf);
+  frames.add(moved(5.0, "odom", "laser", 2.0), kTf);
+  const auto found = frames.find("odom", "laser", 5.0);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->T_ancestor_frame.translation().x(), 2.0);
+}
+
+}  // namespace
+}  // namespace cornerfix::cli

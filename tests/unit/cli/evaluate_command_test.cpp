@@ -1,0 +1,216 @@
+// `cornerfix evaluate` as a user calls it, on short simulated drives.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/command_line.hpp"
+#include "unit/cli/temporary_directory.hpp"
+
+namespace cornerfix::cli {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome run(std::vector<std::string> arguments) {
+  std::vector<const char*> argv = {"cornerfix"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+/// Two drives through the building in tests/data, made once.
+class EvaluateCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    directory_ = new TemporaryDirectory;
+    simulate("map.jsonl", "1", "30");
+    simulate("ask.jsonl", "2", "12");
+  }
+  static void TearDownTestSuite() {
+    delete directory_;
+    directory_ = nullptr;
+  }
+
+  static void simulate(const std::string& name, const std::string& seed,
+                       const std::string& length) {
+    const Outcome outcome =
+        run({"simulate", CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml", path(name),
+             "--seed", seed, "--length", length, "--step", "0.3", "--beams", "270"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+
+  static std::string path(const std::string& name) { return (directory_->path() / name).string(); }
+
+  static TemporaryDirectory* directory_;
+};
+
+TemporaryDirectory* EvaluateCommand::directory_ = nullptr;
+
+TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
+  const Outcome outcome = run({"evaluate", path("map.jsonl"), "--starts", "3", "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto figures = nlohmann::json::parse(outcome.out);
+  for (const char* name : {"log",
+                           "split",
+                           "map_scans",
+                           "map_seconds",
+                           "features",
+                           "starts",
+                           "fixed",
+                           "false",
+                           "none",
+                           "success",
+                           "success_5m",
+                           "outside",
+                           "outside_false",
+                           "way_m",
+                           "seconds",
+                           "error_m",
+                           "error_deg",
+                           "tracked_right",
+                           "server_ms_per_scan",
+                           "rtt_ms_per_scan",
+                           "scans",
+                           "wall_s"}) {
+    EXPECT_TRUE(figures.contains(name)) << name;
+  }
+  EXPECT_EQ(figures["log"], "map");
+  EXPECT_EQ(figures["split"], "0.5");
+  EXPECT_TRUE(figures["server_ms_per_scan"].contains("max"));
+  EXPECT_EQ(figures["false"].get<int>() + figures["outside_false"].get<int>(), 0);
+  EXPECT_THAT(outcome.err, HasSubstr("starts: 100 %"));
+}
+
+TEST_F(EvaluateCommand, WritesEveryStartsRecord) {
+  const Outcome outcome =
+      run({"evaluate", path("map.jsonl"), "--map-log", path("map.jsonl"), "--starts", "3", "--way",
+           "4", "--track", "1", "--out", path("out.json"), "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::ifstream file(path("out.json"));
+  const auto out = nlohmann::json::parse(file);
+  EXPECT_EQ(out["summary"], nlohmann::json::parse(outcome.out));
+  ASSERT_EQ(out["starts"].size(), 3U);
+  std::size_t fixed = 0;
+  for (const auto& start : out["starts"]) {
+    EXPECT_EQ(start["near"], 0.0);
+    EXPECT_EQ(start["ms"].size(), start["scans"].get<std::size_t>());
+    EXPECT_EQ(start["rtt_ms"].size(), start["scans"].get<std::size_t>());
+    if (start["result"] != "fixed") continue;
+    ++fixed;
+    EXPECT_LT(start["err"][0][0].get<double>(), 0.5);
+    EXPECT_EQ(start["truth"].size(), 3U);
+  }
+  EXPECT_EQ(fixed, out["summary"]["fixed"].get<std::size_t>());
+  EXPECT_GT(fixed, 0U);
+}
+
+TEST_F(EvaluateCommand, TakesEveryNthScan) {
+  const auto scans = [&](const std::string& stride) {
+    const Outcome outcome = run({"evaluate", path("map.jsonl"), "--stride", stride, "--starts", "1",
+                                 "--way", "1", "--track", "0"});
+    return nlohmann::json::parse(outcome.out)["map_scans"].get<double>();
+  };
+  EXPECT_NEAR(scans("1") / scans("3"), 3.0, 0.2);
+}
+
+TEST_F(EvaluateCommand, LetsBlocksOfWayTakeTurns) {
+  const Outcome outcome = run({"evaluate", path("map.jsonl"), "--split", "blocks:5", "--starts",
+                               "2", "--way", "2", "--track", "0"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["split"], "blocks:5");
+}
+
+TEST_F(EvaluateCommand, LooksInTheMapsOfFurtherLogsAsWell) {
+  const Outcome outcome =
+      run({"evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--any-map",
+           path("map.jsonl"), "--starts", "2", "--way", "3", "--track", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["starts"], 2);
+}
+
+TEST_F(EvaluateCommand, MakesTheMapWithoutPoses) {
+  const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"),
+                               "--slam", "--starts", "3", "--way", "8", "--track", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["starts"], 3);
+  EXPECT_EQ(summary["false"], 0) << outcome.out;
+  EXPECT_GT(summary["fixed"], 0) << outcome.out;
+}
+
+TEST_F(EvaluateCommand, ScoresATrajectoryFoundWithoutPoses) {
+  const Outcome outcome = run({"slam", path("ask.jsonl")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_GT(summary["keyframes"], 10);
+  EXPECT_EQ(summary["relative_pose_error"][0]["way_m"], 2.0);
+  EXPECT_LT(summary["relative_pose_error"][0]["error_m"]["p50"], 0.1);
+}
+
+TEST_F(EvaluateCommand, EndsArgumentsOutOfRangeWithTwo) {
+  const std::vector<std::vector<std::string>> wrong = {
+      {"--split", "1.5"},
+      {"--split", "blocks:0"},
+      {"--split", "half"},
+      {"--stride", "0"},
+      {"--starts", "0"},
+      {"--near", "-1"},
+      {"--way", "0"},
+      {"--time", "0"},
+      {"--track", "-1"},
+      {"--batch", "0"},
+      {"--batch", "101"},
+      {"--threads", "0"},
+      {"--threads", "-1"},
+      {"--method", "guess"},
+      {"--any-map", "/no/such/log"},
+      {"--slam", "--split", "blocks:5"},
+      {"--slam", "--map-grid", CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml"}};
+  for (std::vector<std::string> arguments : wrong) {
+    arguments.insert(arguments.begin(), {"evaluate", path("map.jsonl")});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST_F(EvaluateCommand, SaysWhatALogLacks) {
+  const std::string header =
+      R"({"name": "a", "beams": 2, "angle_min": 0, "angle_increment": 1, "range_max": 9})"
+      "\n";
+  const std::string no_poses =
+      directory_->write("no_poses.jsonl", header + R"({"t": 0, "ranges": [1, 2]})" + "\n").string();
+  Outcome outcome = run({"evaluate", no_poses});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("holds no scan with a pose in the part that maps"));
+  outcome = run({"evaluate", path("map.jsonl"), "--split", "1"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("holds no scan with a pose in the part that asks"));
+}
+
+TEST_F(EvaluateCommand, TellsHowManyBrokenRecordsItLeftOut) {
+  std::ifstream log(path("ask.jsonl"));
+  const std::string text((std::istreambuf_iterator<char>(log)), std::istreambuf_iterator<char>());
+  const std::string broken = directory_->write("broken.jsonl", text + "oops\n").string();
+  const Outcome outcome =
+      run({"evaluate", broken, "--starts", "1", "--way", "1", "--track", "0", "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("1 broken record left out, the first at line "));
+  EXPECT_THAT(outcome.err, HasSubstr("byte " + std::to_string(text.size())));
+}
+
+}  // namespace
+}  // namespace cornerfix::cli
