@@ -53,6 +53,32 @@ std::vector<RobotScan> to_robot_scans(ScanBatch&& batch) {
   return scans;
 }
 
+/// Where a scan is in the body.
+JsonField scan_field(const JsonField& body, std::size_t index) {
+  return body.find("scans")->item(index);
+}
+
+bool expect_all_posed_or_none(const JsonField& body, const std::vector<BatchScan>& scans) {
+  const auto is_posed = [](const BatchScan& scan) { return scan.T_map_base_link.has_value(); };
+  if (std::ranges::all_of(scans, is_posed) || std::ranges::none_of(scans, is_posed)) return true;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (!is_posed(scans[i])) {
+      scan_field(body, i).fail_member(
+          "pose", "is needed: base_link in map, since other scans of the batch have one");
+    }
+  }
+  return false;
+}
+
+void expect_increasing_stamps(const JsonField& body, const std::vector<BatchScan>& scans) {
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    if (scans[i].scan.stamp <= scans[i - 1].scan.stamp) {
+      scan_field(body, i).fail_member(
+          "stamp", "must be later than the scan's before it, since scans without pose are a drive");
+    }
+  }
+}
+
 void read_options(const JsonField& body, LocalizerParams& params, std::string* text) {
   const auto options = body.find("options");
   if (!options) return;
@@ -165,9 +191,16 @@ Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format
                                         const RequestLimits& limits) {
   return parse<MapScansRequest>(
       body, format, limits,
-      [&](const JsonField& /*root*/, Document& document, MapScansRequest& request) {
-        ScanBatch batch = read_scan_batch(document, lidar, StampOrder::kAny, MapPose::kNeeded);
+      [&](const JsonField& root, Document& document, MapScansRequest& request) {
+        ScanBatch batch = read_scan_batch(document, lidar, StampOrder::kAny, MapPose::kTaken);
         request.lidar = batch.lidar;
+        if (!document.errors.empty()) return;
+        if (!expect_all_posed_or_none(root, batch.scans)) return;
+        if (!batch.scans.front().T_map_base_link) {
+          expect_increasing_stamps(root, batch.scans);
+          request.unposed_scans = to_robot_scans(std::move(batch));
+          return;
+        }
         for (BatchScan& scan : batch.scans) {
           request.scans.push_back(to_posed_scan(std::move(scan), batch.T_base_link_laser()));
         }

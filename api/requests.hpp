@@ -49,6 +49,8 @@ struct MapScansRequest {
   /// The body's, or else the map's; with `beams`. Nothing when each scan brings its own.
   std::optional<Lidar> lidar;
   std::vector<PosedScan> scans;
+  /// Instead of `scans` where none has a pose; stamps strictly increase.
+  std::vector<RobotScan> unposed_scans;
 };
 struct StampedPose {
   double stamp = 0.0;

@@ -103,7 +103,7 @@ class BatchReader {
     good &= read_geometry(field, batch_.lidar.has_value(), out.scan);
     good &= read_ranges(field, index, out.scan);
     good &= read_pose(field, "odom", out.T_odom_base_link);
-    if (map_pose_ == MapPose::kNeeded) read_map_pose(field, out);
+    if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
       field.fail_member(error->field, error->message);
     }
@@ -133,11 +133,6 @@ class BatchReader {
     ranges->fail(std::to_string(scan.ranges.size()) + " values, expected " +
                  std::to_string(*beams_) + " as the lidar has beams");
     return false;
-  }
-
-  static void read_map_pose(const JsonField& field, BatchScan& out) {
-    const auto pose = field.require("pose", "base_link in map");
-    if (pose) out.T_map_base_link = pose->as_pose();
   }
 
   Document& document_;

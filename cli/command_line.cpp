@@ -20,6 +20,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_serve_command(app, exit_code);
   add_evaluate_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_slam_command(app, exit_code);
   add_backup_command(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -10,6 +10,9 @@
 #include "cli/evaluation_report.hpp"
 #include "cli/log_split.hpp"
 #include "cli/progress.hpp"
+#include "cli/slam_run.hpp"
+#include "cli/trajectory_score.hpp"
+#include "cli/whole_log.hpp"
 
 namespace cornerfix::cli {
 
@@ -30,6 +33,7 @@ struct EvaluateArguments {
   std::string csv;
   std::string samples;
   bool no_odometry = false;
+  bool slam = false;
   EvaluationOptions options;
 
   /// The log that makes the map; empty when a part of the log that asks does.
@@ -45,33 +49,55 @@ ShareDone show_on(Progress& progress) {
   };
 }
 
-Result<RecordedLog> read_whole_log(const std::string& path, const EvaluateArguments& arguments) {
-  Result<LogReader> reader = LogReader::open(path, arguments.lidar);
-  if (!reader) return reader.error();
-  RecordedLog log;
-  {
-    Progress progress("reading");
-    log = read_all(*reader, arguments.stride, [&](double share) { progress.update(share); });
+/// The first scans of a log, of which SLAM's key frames have SLAM's poses, moved as a whole to lie
+/// as near as possible to the reference poses.
+Result<RecordedLog> with_slam_poses(const RecordedLog& log, std::size_t end,
+                                    const EvaluationOptions& options) {
+  RecordedLog posed{log.header,
+                    {log.scans.begin(), log.scans.begin() + static_cast<std::ptrdiff_t>(end)}};
+  Progress progress("slam");
+  const Result<SlamRun> run = run_slam(posed.scans, options.use_odometry, options.mapper,
+                                       [&](double share) { progress.update(share); });
+  if (!run) return run.error();
+  const Pose2 T_map_slam = align_to_reference(posed.scans, run->T_map_laser);
+  for (LogScan& scan : posed.scans) {
+    scan.T_map_laser.reset();
+    scan.is_key_scan = false;
   }
-  warn(path, remarks(*reader));
-  return log;
+  for (const std::size_t i : run->key_scans) {
+    posed.scans[i].T_map_laser = T_map_slam * run->T_map_laser[i];
+    posed.scans[i].is_key_scan = true;
+  }
+  return posed;
 }
 
-Evaluation map_of(const RecordedLog& log, std::span<const std::size_t> mapping,
-                  const MapperParams& params) {
+Evaluation map_at_poses(const RecordedLog& log, std::span<const std::size_t> mapping,
+                        const MapperParams& params) {
   Progress progress("mapping");
   return map_from(log, mapping, params, show_on(progress));
 }
 
+/// The map of the scans with these indices, of which there are some; with SLAM, of all scans up to
+/// the last of them.
+Result<Evaluation> map_of(const RecordedLog& log, std::span<const std::size_t> mapping,
+                          const EvaluateArguments& arguments) {
+  const MapperParams& params = arguments.options.mapper;
+  if (!arguments.slam) return map_at_poses(log, mapping, params);
+  const std::size_t end = mapping.back() + 1;
+  const Result<RecordedLog> found = with_slam_poses(log, end, arguments.options);
+  if (!found) return found.error();
+  return map_at_poses(*found, posed_scans(*found, 0, end), params);
+}
+
 /// The map of all of a log.
 Result<Evaluation> map_of_file(const std::string& path, const EvaluateArguments& arguments) {
-  const Result<RecordedLog> log = read_whole_log(path, arguments);
+  const Result<RecordedLog> log = read_whole_log(path, arguments.lidar, arguments.stride);
   if (!log) return log.error();
   const auto mapping = posed_scans(*log, 0, log->scans.size());
   if (mapping.empty()) {
     return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose", path};
   }
-  return map_of(*log, mapping, arguments.options.mapper);
+  return map_of(*log, mapping, arguments);
 }
 
 template <typename Write>
@@ -125,7 +151,7 @@ struct Task {
 };
 
 Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) {
-  Result<RecordedLog> log = read_whole_log(arguments.log, arguments);
+  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar, arguments.stride);
   if (!log) return log.error();
   Task task{std::move(*log), {}, {}, {}};
   if (!arguments.map_grid.empty()) {
@@ -140,8 +166,10 @@ Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) 
       return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose in the part that maps",
                    arguments.log};
     }
+    Result<Evaluation> mapped = map_of(task.log, divided.mapping, arguments);
+    if (!mapped) return mapped.error();
     task.asking = std::move(divided.asking);
-    task.evaluation = map_of(task.log, divided.mapping, arguments.options.mapper);
+    task.evaluation = std::move(*mapped);
     task.evaluation.split = arguments.split;
   } else {
     Result<Evaluation> mapped = map_of_file(arguments.mapping_log(), arguments);
@@ -196,6 +224,8 @@ int run_evaluate(EvaluateArguments& arguments) {
   const auto split = parse_log_split(arguments.split);
   if (!split)
     throw CLI::ValidationError("--split", "expected a share from 0 to 1 or blocks:METRES");
+  if (arguments.slam && std::holds_alternative<BlockSplit>(*split))
+    throw CLI::ValidationError("--slam", "needs a drive without gaps: --split with a share");
   Result<Task> task = prepare(arguments, *split);
   if (!task) return fail(task.error());
   run_starts(arguments, *task);
@@ -264,6 +294,10 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", options.threads, "Robots at once, 1 to 256")
       ->check(CLI::Range(1, 256));
   command->add_flag("--no-odom", arguments->no_odometry, "Ask without odometry");
+  command
+      ->add_flag("--slam", arguments->slam,
+                 "Make maps without their logs' poses, which only say where a map lies")
+      ->excludes("--map-grid");
   command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");
   command->add_option("--out", arguments->out, "Write the figures and every start's record (JSON)");
   command->add_option("--csv", arguments->csv, "Write a row a start here");

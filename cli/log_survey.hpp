@@ -15,6 +15,10 @@ struct LogSurvey {
   std::size_t posed_key_scans = 0;  ///< In a log that marks key scans, those with a pose.
   std::string remarks;              ///< What a person should know of the log; may be empty.
 
+  /// How many scans lie in the first `share` of the log.
+  [[nodiscard]] std::size_t scans_in(double share) const {
+    return static_cast<std::size_t>(static_cast<double>(scans) * share);
+  }
   /// How many posed scans lie in the first `share` of the log.
   [[nodiscard]] std::size_t posed_scans_in(double share) const {
     return static_cast<std::size_t>(static_cast<double>(posed_scans) * share);

@@ -63,9 +63,10 @@ std::string description_body(const MapBuildArguments& arguments, const LogHeader
 // --- over HTTP ----------------------------------------------------------------------------------
 
 HttpRequest batch_request(const std::string& map, const LogHeader& header,
-                          std::span<const LogScan> scans) {
+                          std::span<const LogScan> scans, bool without_poses) {
   auto list = nlohmann::ordered_json::array();
-  for (const LogScan& scan : scans) list.push_back(posed_scan_json(scan));
+  for (const LogScan& scan : scans)
+    list.push_back(without_poses ? robot_scan_json(scan, true) : posed_scan_json(scan));
   const nlohmann::ordered_json body = {{"lidar", lidar_json(header)}, {"scans", std::move(list)}};
   return {"POST", "/v1/maps/" + percent_encode(map) + "/scans", body.dump()};
 }
@@ -87,13 +88,21 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans&
       {"PUT", "/v1/maps/" + percent_encode(arguments.name), description_body(arguments, header)});
   if (!described) return described.error();
   const auto add = [&](std::span<const LogScan> batch) -> Result<Growth> {
-    const auto answer = server->call(batch_request(arguments.name, header, batch));
+    const auto answer =
+        server->call(batch_request(arguments.name, header, batch, arguments.scans.without_poses));
     if (!answer) return answer.error();
     return growth_from_json(*answer);
   };
   if (server->is_printing()) return add_in_batches(scans, add, nullptr);
   Progress progress("mapping");
-  return add_in_batches(scans, add, &progress);
+  Result<Growth> growth = add_in_batches(scans, add, &progress);
+  if (!growth || !arguments.scans.without_poses) return growth;
+  // Whoever asks for the map first has its trajectory optimised.
+  const Result<nlohmann::json> ready =
+      server->call({"GET", "/v1/maps/" + percent_encode(arguments.name) + "/features"});
+  if (!ready) return ready.error();
+  growth->features = ready->value("features", nlohmann::json::array()).size();
+  return growth;
 }
 
 // --- into a file --------------------------------------------------------------------------------
@@ -121,6 +130,13 @@ std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
   return posed;
 }
 
+std::vector<RobotScan> robot_scans(std::span<const LogScan> scans) {
+  std::vector<RobotScan> robot;
+  robot.reserve(scans.size());
+  for (const LogScan& scan : scans) robot.push_back({scan.scan, Pose2{}, scan.T_odom_laser});
+  return robot;
+}
+
 Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
@@ -131,12 +147,19 @@ Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans&
   Result<Growth> growth = add_in_batches(
       scans,
       [&](std::span<const LogScan> batch) {
-        return library.grow(arguments.name, posed_scans(batch));
+        return arguments.scans.without_poses ? library.grow(arguments.name, robot_scans(batch))
+                                             : library.grow(arguments.name, posed_scans(batch));
       },
       &progress);
   if (!growth) return growth;
-  const auto ready = library.load(arguments.name);  // Stores the features and the grid as well.
+  std::optional<Progress> optimizing;
+  if (arguments.scans.without_poses) optimizing.emplace("optimizing");
+  // Stores the features and the grid as well.
+  const auto ready = library.load(arguments.name, [&](double share) {
+    if (optimizing) optimizing->update(share);
+  });
   if (!ready) return ready.error();
+  growth->features = (*ready)->features().size();
   return growth;
 }
 

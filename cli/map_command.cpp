@@ -113,8 +113,7 @@ void add_list_command(CLI::App& map, int& exit_code) {
 
 void add_build_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapBuildArguments>();
-  CLI::App* command =
-      map.add_subcommand("build", "Make a map from a log with poses, or let a map grow by it");
+  CLI::App* command = map.add_subcommand("build", "Make a map from a log, or let a map grow by it");
   command->footer(
       "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS "
       "1\n"
@@ -122,7 +121,9 @@ void add_build_command(CLI::App& map, int& exit_code) {
       "of\n"
       "bags those that tf knows in the frame map. Where a log marks key scans, only those make "
       "the\n"
-      "map. Scans that the map has already are skipped, so the same log may be sent again.");
+      "map. With --slam all scans do, and their poses are found. Scans that the map has already "
+      "are\n"
+      "skipped, so the same log may be sent again.");
   command->add_option("NAME", arguments->name, "Name of the map")->required();
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
@@ -133,6 +134,8 @@ void add_build_command(CLI::App& map, int& exit_code) {
   command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--slam", arguments->scans.without_poses,
+                    "Find the poses from scans and odometry instead of taking the log's");
   add_lidar_option(*command, arguments->scans.lidar);
   CLI::Option* database = command->add_option(
       "--db", arguments->database, "Write into this database file instead of asking a server");

@@ -12,13 +12,15 @@
 namespace cornerfix::cli {
 
 struct MappingScanOptions {
-  std::string lidar;       ///< As in LogReader::open().
-  double split = 1.0;      ///< Take them from this first share of the log.
-  std::size_t stride = 1;  ///< Every n-th scan.
+  std::string lidar;           ///< As in LogReader::open().
+  double split = 1.0;          ///< Take them from this first share of the log.
+  std::size_t stride = 1;      ///< Every n-th scan.
+  bool without_poses = false;  ///< All scans, whose poses are to be found.
 };
 
 /// Those with a reference pose, and in a log that marks key scans those only, since the poses
-/// between them are interpolated. Reads the log twice and holds one scan of it.
+/// between them are interpolated; or all of them, where poses do not matter. Reads the log twice
+/// and holds one scan of it.
 class MappingScans {
  public:
   /// An error as well when there would be none.
@@ -32,7 +34,7 @@ class MappingScans {
   [[nodiscard]] std::size_t count() const { return count_; }  ///< Given out so far.
   /// Share of them that was given out, in [0, 1].
   [[nodiscard]] double progress() const {
-    return static_cast<double>(posed_) / static_cast<double>(wanted_posed_);
+    return static_cast<double>(taken_) / static_cast<double>(wanted_);
   }
 
  private:
@@ -41,10 +43,11 @@ class MappingScans {
   LogReader reader_;
   std::string remarks_;
   std::size_t stride_;
-  std::size_t wanted_posed_;
+  bool posed_only_;
   bool key_scans_only_;
+  std::size_t wanted_;  ///< Of those that posed_only_ allows, key scans or not.
   std::size_t index_ = 0;
-  std::size_t posed_ = 0;
+  std::size_t taken_ = 0;
   std::size_t count_ = 0;
 };
 

@@ -6,6 +6,7 @@ find_path(OPENCV_INCLUDE_DIR opencv2/imgproc.hpp PATH_SUFFIXES opencv4 REQUIRED)
 find_library(OPENCV_CORE_LIBRARY opencv_core REQUIRED)
 find_library(OPENCV_IMGPROC_LIBRARY opencv_imgproc REQUIRED)
 find_package(PNG REQUIRED)
+find_package(Ceres 2.1 REQUIRED)
 find_package(yaml-cpp REQUIRED)
 
 if(CORNERFIX_BUILD_SERVER)

@@ -9,7 +9,7 @@ set -euo pipefail
 
 build=(
   g++ cmake ninja-build pkg-config
-  libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libpng-dev libyaml-cpp-dev zlib1g-dev
+  libeigen3-dev libceres-dev libopencv-core-dev libopencv-imgproc-dev libpng-dev libyaml-cpp-dev zlib1g-dev
   libbz2-dev liblz4-dev libzstd-dev
   libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libsqlite3-dev libsqlitecpp-dev
   libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev

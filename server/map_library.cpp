@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <type_traits>
 #include <unordered_set>
 
 #include <cornerfix/grid_mapping.hpp>
+#include <cornerfix/lidar_odometry.hpp>
 #include <cornerfix/map_image.hpp>
+#include <cornerfix/trajectory_optimizer.hpp>
 
 namespace cornerfix::server {
 
@@ -68,9 +72,9 @@ Result<MapInfo> describe(const storage::MapArchive& archive) {
 }
 
 /// The scans that the map does not hold and that are not earlier in the batch.
-std::vector<const PosedScan*> new_scans(std::span<const PosedScan> scans,
-                                        const std::vector<bool>& known) {
-  std::vector<const PosedScan*> fresh;
+template <typename Scan>
+std::vector<const Scan*> new_scans(std::span<const Scan> scans, const std::vector<bool>& known) {
+  std::vector<const Scan*> fresh;
   std::unordered_set<double> stamps;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (!known[i] && stamps.insert(scans[i].scan.stamp).second) fresh.push_back(&scans[i]);
@@ -83,9 +87,58 @@ bool is_scan_of(const LaserScan& scan, const api::Lidar& lidar) {
          scan.range_min == lidar.range_min && scan.range_max == lidar.range_max;
 }
 
+/// Why a map with key frames cannot take scans that come with poses, or without.
+std::optional<Error> mixed(const MapInfo& map, bool scans_have_poses) {
+  if (map.key_frame_count == 0 || map.drifts != scans_have_poses) return std::nullopt;
+  return Error{ErrorCode::kConflict,
+               map.drifts ? "the map is made from scans without poses: these have poses. Give the "
+                            "map an optimised trajectory first, or another name"
+                          : "the map is made from scans at poses: these have none",
+               "/scans"};
+}
+
+/// A scan of a drive must come after what is there of it.
+template <typename Scan>
+std::optional<Error> too_late(std::span<const Scan* const> fresh, const Mapper& mapper,
+                              const Scan* first_of_batch) {
+  if (fresh.empty() || mapper.key_frames().empty()) return std::nullopt;
+  const double last = mapper.key_frames().back().scan.stamp;
+  const auto late =
+      std::ranges::find_if(fresh, [last](const Scan* scan) { return scan->scan.stamp <= last; });
+  if (late == fresh.end()) return std::nullopt;
+  return Error{ErrorCode::kInvalidArgument,
+               "must be later than the last key frame's " + std::to_string(last) +
+                   ", since scans without pose are one drive",
+               "/scans/" + std::to_string(*late - first_of_batch) + "/stamp"};
+}
+
 Error at_scan(Error error, std::ptrdiff_t index) {
   error.field = "/scans/" + std::to_string(index);
   return error;
+}
+
+MapperParams mapper_params(const MapInfo& info) {
+  return api::mapper_params_from_json(info.parameters_json);
+}
+
+PosedScan posed_by(LidarOdometry& /*odometry*/, const PosedScan& scan) { return scan; }
+
+PosedScan posed_by(LidarOdometry& odometry, const RobotScan& scan) {
+  return {scan.scan, scan.T_base_link_laser, odometry.process(scan)};
+}
+
+/// What the key frames of a drive show once its drift has been taken away.
+Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParams& params,
+                                       const MapLibrary::Progress& progress) {
+  const auto optimized = optimize_trajectory(drifting.key_frames(), progress);
+  if (!optimized) return optimized.error();
+  Mapper mapper(params);
+  for (std::size_t i = 0; i < drifting.key_frames().size(); ++i) {
+    PosedScan key_frame = drifting.key_frames()[i];
+    key_frame.T_map_base_link = optimized->T_map_base_link[i];
+    mapper.add(std::move(key_frame));
+  }
+  return mapper.build();
 }
 
 /// An error in a floor map, as one in the form that it came in.
@@ -147,11 +200,18 @@ struct MapLibrary::GrowingMap {
 
   const std::int64_t map_id;
   std::mutex mutex;
-  std::optional<Mapper> mapper;  ///< Holds the key frames of `revision`.
+  std::optional<Mapper> mapper;           ///< Holds the key frames of `revision`.
+  std::optional<LidarOdometry> odometry;  ///< At the last scan of a drive without poses.
   std::uint64_t revision = 0;
 
   [[nodiscard]] bool holds(const MapInfo& info) const {
     return mapper.has_value() && revision == info.revision;
+  }
+
+  /// What is known of the map in memory may be ahead of the store, or behind it.
+  void forget() {
+    mapper.reset();
+    odometry.reset();
   }
 };
 
@@ -193,24 +253,36 @@ Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {
+  return grow_retrying(name, scans);
+}
+
+Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans) {
+  return grow_retrying(name, scans);
+}
+
+template <typename Scan>
+Result<MapGrowthReport> MapLibrary::grow_retrying(std::string_view name,
+                                                  std::span<const Scan> scans) {
   for (int attempt = 1;; ++attempt) {
     auto report = grow_once(name, scans);
     if (report || attempt == kMaxAttempts || !is_worth_another_try(report.error())) return report;
   }
 }
 
-Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name,
-                                              std::span<const PosedScan> scans) {
+template <typename Scan>
+Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<const Scan> scans) {
+  constexpr bool kHavePoses = std::is_same_v<Scan, PosedScan>;
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The batch before this one may just have changed it.
   if (!found) return found.error();
+  if (auto error = mixed(*found, kHavePoses)) return *error;
   if (auto rebuilt = rebuild(*growing, *found); !rebuilt) return rebuilt.error();
 
   std::vector<double> stamps;
-  for (const PosedScan& scan : scans) stamps.push_back(scan.scan.stamp);
+  for (const Scan& scan : scans) stamps.push_back(scan.scan.stamp);
   const auto known =
       stores_->with_maps([&](MapStore& maps) { return maps.known_stamps(found->id, stamps); });
   if (!known) return known.error();
@@ -223,17 +295,30 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name,
                          .revision = found->revision};
   if (fresh.empty()) return report;
 
-  // From here on the mapper is ahead of the store, until the store has the growth too.
+  // From here on what is in memory is ahead of the store, until the store has the growth too.
   Mapper mapper = std::move(*growing->mapper);
-  growing->mapper.reset();
+  LidarOdometry odometry;
+  if constexpr (!kHavePoses) {
+    if (auto error = too_late<Scan>(fresh, mapper, scans.data())) {
+      growing->mapper = std::move(mapper);
+      return *error;
+    }
+    if (growing->odometry) {
+      odometry = std::move(*growing->odometry);
+    } else {
+      odometry.resume(mapper.key_frames());
+    }
+  }
+  growing->forget();
   std::vector<double> new_stamps;
   std::vector<PosedScan> new_key_frames;
-  for (const PosedScan* scan : fresh) {
+  for (const Scan* scan : fresh) {
     new_stamps.push_back(scan->scan.stamp);
-    if (!mapper.is_key_frame(*scan)) continue;
-    if (auto error = mapper.reject(*scan)) return at_scan(*error, scan - scans.data());
-    mapper.add(*scan);
-    new_key_frames.push_back(*scan);
+    PosedScan posed = posed_by(odometry, *scan);
+    if (!mapper.is_key_frame(posed)) continue;
+    if (auto error = mapper.reject(posed)) return at_scan(*error, scan - scans.data());
+    mapper.add(posed);
+    new_key_frames.push_back(std::move(posed));
   }
   const Bounds bounds = mapper.bounds().value_or(Bounds{});
   const storage::MapGrowth growth{.stamps = new_stamps,
@@ -242,11 +327,13 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name,
                                   .min_x = bounds.min.x(),
                                   .min_y = bounds.min.y(),
                                   .max_x = bounds.max.x(),
-                                  .max_y = bounds.max.y()};
+                                  .max_y = bounds.max.y(),
+                                  .drifts = !kHavePoses};
   const auto grown = stores_->with_maps(
       [&](MapStore& maps) { return maps.grow(found->id, found->revision, growth, now_()); });
   if (!grown) return grown.error();
   growing->mapper = std::move(mapper);
+  if constexpr (!kHavePoses) growing->odometry = std::move(odometry);
   growing->revision = grown->revision;
   report.key_frames = grown->key_frame_count;
   report.features = grown->feature_count;
@@ -326,13 +413,13 @@ Result<OccupancyGrid> MapLibrary::grid(const MapInfo& info) {
   return (*map)->grid();
 }
 
-Result<LocalizationMapPtr> MapLibrary::load(std::string_view name) {
+Result<LocalizationMapPtr> MapLibrary::load(std::string_view name, const Progress& progress) {
   const auto info = find(name);
   if (!info) return info.error();
-  return load(*info);
+  return load(*info, progress);
 }
 
-Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info) {
+Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info, const Progress& progress) {
   if (auto map = cached({info.id, info.revision})) return map;
   const auto growing = this->growing(info.id);
   const std::lock_guard lock(growing->mutex);
@@ -340,7 +427,7 @@ Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info) {
   if (!current) return current.error();
   const Key key{current->id, current->revision};
   if (auto map = cached(key)) return map;
-  auto content = content_of(*growing, *current);
+  auto content = content_of(*growing, *current, progress);
   if (!content) return content.error();
   const auto map = std::make_shared<const LocalizationMap>(current->name, current->revision,
                                                            std::move(*content));
@@ -348,14 +435,15 @@ Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info) {
   return LocalizationMapPtr(map);
 }
 
-Result<MapContent> MapLibrary::content_of(GrowingMap& growing, const MapInfo& info) {
+Result<MapContent> MapLibrary::content_of(GrowingMap& growing, const MapInfo& info,
+                                          const Progress& progress) {
   auto stored = stores_->with_maps([&](MapStore& maps) { return maps.content(info.id); });
   if (!stored) return stored.error();
   if (stored->has_value() && (*stored)->revision == info.revision) {
     return std::move((*stored)->content);
   }
-  auto made =
-      info.has_floor_map ? content_of_floor_map(info) : content_of_key_frames(growing, info);
+  auto made = info.has_floor_map ? content_of_floor_map(info)
+                                 : content_of_key_frames(growing, info, progress);
   if (!made) return made;
   MapContent& content = *made;
   const auto kept = stores_->with_maps(
@@ -368,25 +456,27 @@ Result<MapContent> MapLibrary::content_of_floor_map(const MapInfo& info) {
   const auto floor_map =
       stores_->with_maps([&](MapStore& maps) { return maps.floor_map(info.id); });
   if (!floor_map) return floor_map.error();
-  auto made = map_from_grid(*floor_map, api::mapper_params_from_json(info.parameters_json));
+  auto made = map_from_grid(*floor_map, mapper_params(info));
   if (!made) return made.error();
   return std::move(made->content);
 }
 
-Result<MapContent> MapLibrary::content_of_key_frames(GrowingMap& growing, const MapInfo& info) {
+Result<MapContent> MapLibrary::content_of_key_frames(GrowingMap& growing, const MapInfo& info,
+                                                     const Progress& progress) {
   const bool was_growing = growing.mapper.has_value();
   if (auto rebuilt = rebuild(growing, info); !rebuilt) return rebuilt.error();
-  MapContent content = growing.mapper->build();
-  if (!was_growing) growing.mapper.reset();  // Its key frames are needed for growing only.
-  return content;
+  auto built = info.drifts ? build_without_drift(*growing.mapper, mapper_params(info), progress)
+                           : Result<MapContent>(growing.mapper->build());
+  if (!was_growing) growing.forget();  // Its key frames are needed for growing only.
+  return built;
 }
 
 Result<void> MapLibrary::rebuild(GrowingMap& growing, const MapInfo& info) {
   if (growing.holds(info)) return {};
-  growing.mapper.reset();
+  growing.forget();
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
   if (!key_frames) return key_frames.error();
-  Mapper mapper(api::mapper_params_from_json(info.parameters_json));
+  Mapper mapper(mapper_params(info));
   for (PosedScan& key_frame : *key_frames) mapper.add(std::move(key_frame));
   growing.mapper = std::move(mapper);
   growing.revision = info.revision;

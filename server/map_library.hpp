@@ -57,6 +57,8 @@ struct MapCacheUse {
 /// is on disk, and a call that fails has changed nothing. Other processes may change the same file.
 class MapLibrary {
  public:
+  using Progress = std::function<void(double)>;  ///< Told the share done, in [0, 1].
+
   MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now);
   ~MapLibrary();
 
@@ -72,8 +74,15 @@ class MapLibrary {
   /// of it had. Nothing when the map was not given any.
   [[nodiscard]] Result<std::optional<api::Lidar>> lidar(const storage::MapInfo& info);
 
+  /// kConflict when the map was made from scans without poses.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const PosedScan> scans);
+  /// Scans of a drive without poses, in its order: lidar odometry gives them, and load() takes
+  /// their drift away. After a restart the drive goes on at its last key frame. kConflict when the
+  /// map was made from scans at poses; kInvalidArgument when a new scan is not later than the key
+  /// frames.
+  [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
+                                             std::span<const RobotScan> scans);
 
   /// Makes the map from a ROS floor map alone; a map made so before is made anew, in its frame and
   /// with its parameters. kConflict for a map that holds scans.
@@ -96,10 +105,13 @@ class MapLibrary {
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
                                                         std::span<const api::StampedPose> poses);
 
-  /// The newest revision of a map, from memory, from the store, or made anew and then stored.
-  [[nodiscard]] Result<LocalizationMapPtr> load(std::string_view name);
+  /// The newest revision of a map, from memory, from the store, or made anew and then stored. The
+  /// trajectory of a map that drifts is then optimised, which tells `progress` the share done.
+  [[nodiscard]] Result<LocalizationMapPtr> load(std::string_view name,
+                                                const Progress& progress = {});
   /// The same, when the caller knows that `info` is current.
-  [[nodiscard]] Result<LocalizationMapPtr> load(const storage::MapInfo& info);
+  [[nodiscard]] Result<LocalizationMapPtr> load(const storage::MapInfo& info,
+                                                const Progress& progress = {});
 
   [[nodiscard]] MapCacheUse cache_use();
 
@@ -114,12 +126,19 @@ class MapLibrary {
 
   [[nodiscard]] std::shared_ptr<GrowingMap> growing(std::int64_t map_id);
   [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
+  /// Either kind of scans.
+  template <typename Scan>
+  [[nodiscard]] Result<MapGrowthReport> grow_retrying(std::string_view name,
+                                                      std::span<const Scan> scans);
+  template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
-                                                  std::span<const PosedScan> scans);
-  [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info);
+                                                  std::span<const Scan> scans);
+  [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
+                                              const Progress& progress);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);
   [[nodiscard]] Result<MapContent> content_of_key_frames(GrowingMap& growing,
-                                                         const storage::MapInfo& info);
+                                                         const storage::MapInfo& info,
+                                                         const Progress& progress);
   [[nodiscard]] LocalizationMapPtr cached(const Key& key);
   void remember(const Key& key, const LocalizationMapPtr& map);
 

@@ -130,7 +130,9 @@ class MapRoutes {
     const auto parsed =
         api::parse_map_scans(request.body, request.body_format, *lidar, services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
-    const auto report = maps().grow(name, std::get<api::MapScansRequest>(parsed).scans);
+    const auto& batch = std::get<api::MapScansRequest>(parsed);
+    const auto report = batch.unposed_scans.empty() ? maps().grow(name, batch.scans)
+                                                    : maps().grow(name, batch.unposed_scans);
     if (!report) return error_response(request, report.error());
     return document_response(request, 200,
                              api::render_map_batch({.accepted = report->accepted,

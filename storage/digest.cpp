@@ -46,10 +46,12 @@ KeyFrameChain hash_of(const OccupancyGrid& floor_map) {
                                  floor_map.cells.size()));
 }
 
-std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain) {
+std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain, bool drifts) {
+  constexpr std::array<std::uint8_t, 6> kDrifts = {'d', 'r', 'i', 'f', 't', 's'};
+  const KeyFrameChain source = drifts ? extend(chain, kDrifts) : chain;
   const auto* parameters = reinterpret_cast<const std::uint8_t*>(parameters_json.data());
   // The chain has a fixed length, so nothing else can be read from the same bytes.
-  return to_hex(sha256(chain, BlobView(parameters, parameters_json.size())));
+  return to_hex(sha256(source, BlobView(parameters, parameters_json.size())));
 }
 
 }  // namespace cornerfix::storage

@@ -22,7 +22,9 @@ using KeyFrameChain = std::array<std::uint8_t, 32>;
 /// numbers and cells, however a BLOB packs them.
 [[nodiscard]] KeyFrameChain hash_of(const OccupancyGrid& floor_map);
 
-/// Hex digest of a map with these parameters (hashed as they are spelled) and key frames.
-[[nodiscard]] std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain);
+/// Hex digest of a map with these parameters (hashed as they are spelled) and key frames, which may
+/// stand at poses whose drift is yet to be taken away.
+[[nodiscard]] std::string map_digest(std::string_view parameters_json, const KeyFrameChain& chain,
+                                     bool drifts = false);
 
 }  // namespace cornerfix::storage

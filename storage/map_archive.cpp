@@ -25,7 +25,8 @@ CREATE TABLE map (
   revision        INTEGER NOT NULL,
   digest          TEXT    NOT NULL,
   lidar_json      TEXT    NOT NULL,
-  parameters_json TEXT    NOT NULL
+  parameters_json TEXT    NOT NULL,
+  drifts          INTEGER NOT NULL
 ) STRICT;
 CREATE TABLE key_frames (
   ordinal INTEGER PRIMARY KEY,
@@ -55,12 +56,13 @@ BlobView blob_at(SQLite::Statement& statement, int column) {
 
 void write(SQLite::Database& image, const MapArchive& archive) {
   SQLite::Transaction transaction(image);
-  SQLite::Statement map(image, "INSERT INTO map VALUES (?, ?, ?, ?, ?)");
+  SQLite::Statement map(image, "INSERT INTO map VALUES (?, ?, ?, ?, ?, ?)");
   map.bind(1, archive.description);
   map.bind(2, static_cast<std::int64_t>(archive.revision));
   map.bind(3, archive.digest);
   map.bind(4, archive.lidar_json);
   map.bind(5, archive.parameters_json);
+  map.bind(6, archive.drifts ? 1 : 0);
   map.exec();
   SQLite::Statement key_frame(image, "INSERT INTO key_frames VALUES (?, ?)");
   for (std::size_t i = 0; i < archive.key_frames.size(); ++i) {
@@ -87,15 +89,18 @@ void write(SQLite::Database& image, const MapArchive& archive) {
 
 Result<void> read_map(SQLite::Database& image, MapArchive& archive) {
   SQLite::Statement map(
-      image, "SELECT description, revision, digest, lidar_json, parameters_json FROM map");
+      image, "SELECT description, revision, digest, lidar_json, parameters_json, drifts FROM map");
   if (!map.executeStep()) return refused("the archive holds no map");
   const std::int64_t revision = map.getColumn(1).getInt64();
   if (revision < 1) return refused("the map's revision is below 1");
+  const std::int64_t drifts = map.getColumn(5).getInt64();
+  if (drifts != 0 && drifts != 1) return refused("whether the map drifts is neither 0 nor 1");
   archive.description = map.getColumn(0).getString();
   archive.revision = static_cast<std::uint64_t>(revision);
   archive.digest = map.getColumn(2).getString();
   archive.lidar_json = map.getColumn(3).getString();
   archive.parameters_json = map.getColumn(4).getString();
+  archive.drifts = drifts == 1;
   if (map.executeStep()) return refused("the archive holds more than one map");
   return {};
 }
@@ -125,9 +130,14 @@ Result<KeyFrameChain> read_key_frames(SQLite::Database& image, MapArchive& archi
     if (!is_possible(*key_frame)) return refused(name + ": no lidar can have taken it");
     if (!std::ranges::binary_search(archive.stamps, key_frame->scan.stamp))
       return refused(name + ": its stamp is not among the map's");
+    if (archive.drifts && index > 0 &&
+        key_frame->scan.stamp <= archive.key_frames.back().scan.stamp)
+      return refused(name + ": a drive without poses does not go back in time");
     archive.key_frames.push_back(std::move(*key_frame));
     chain = extend(chain, blob);
   }
+  if (archive.drifts && archive.key_frames.empty())
+    return refused("the map drifts without a key frame");
   return chain;
 }
 
@@ -165,7 +175,7 @@ Result<MapArchive> read(SQLite::Database& image) {
   const Result<KeyFrameChain> key_frames = read_key_frames(image, archive);
   if (!key_frames) return key_frames.error();
   const KeyFrameChain content = archive.floor_map ? hash_of(*archive.floor_map) : *key_frames;
-  if (map_digest(archive.parameters_json, content) != archive.digest)
+  if (map_digest(archive.parameters_json, content, archive.drifts) != archive.digest)
     return refused("the content does not have the digest that the archive tells");
   return archive;
 }

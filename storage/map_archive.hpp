@@ -25,6 +25,7 @@ struct MapArchive {
   std::string digest;          ///< Hex SHA-256 of the content, as in MapInfo.
   std::vector<double> stamps;  ///< Of all scans the map has taken, ascending.
   std::vector<PosedScan> key_frames;
+  bool drifts = false;                     ///< Of the key frames, as in MapInfo.
   std::optional<OccupancyGrid> floor_map;  ///< Instead of key frames.
 };
 

@@ -22,7 +22,7 @@ struct MapRow {
 const std::string kSelectMap =
     "SELECT id, name, description, revision, digest, key_frame_count, feature_count, min_x, min_y, "
     "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, "
-    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id) FROM maps ";
+    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts FROM maps ";
 
 void read_bounds(const Statement& row, MapInfo& info) {
   info.has_bounds = !row.is_null(7);
@@ -49,6 +49,7 @@ MapRow read_map(const Statement& row) {
   const BlobView chain = row.blob(15);
   std::copy_n(chain.begin(), std::min(chain.size(), map.chain.size()), map.chain.begin());
   map.info.has_floor_map = row.integer(16) != 0;
+  map.info.drifts = row.integer(17) != 0;
   return map;
 }
 
@@ -104,10 +105,11 @@ void update_map(Database& database, const MapRow& map) {
   Statement(database,
             "UPDATE maps SET description = ?, revision = ?, digest = ?, key_frame_chain = ?, "
             "key_frame_count = ?, feature_count = ?, min_x = ?, min_y = ?, max_x = ?, max_y = ?, "
-            "updated = ?, lidar_json = ?, parameters_json = ? WHERE id = ?")
+            "updated = ?, lidar_json = ?, parameters_json = ?, drifts = ? WHERE id = ?")
       .bind(info.description, info.revision, info.digest, BlobView(map.chain), info.key_frame_count,
             info.feature_count, bound(info.min_x), bound(info.min_y), bound(info.max_x),
-            bound(info.max_y), info.updated, info.lidar_json, info.parameters_json, info.id)
+            bound(info.max_y), info.updated, info.lidar_json, info.parameters_json,
+            std::int64_t{info.drifts ? 1 : 0}, info.id)
       .run();
 }
 
@@ -167,7 +169,7 @@ void rewrite_key_frames(Database& database, MapRow& map, std::span<const PosedSc
 /// Gives the map's changed content its new revision and digest.
 void seal_revision(MapRow& map) {
   ++map.info.revision;
-  map.info.digest = map_digest(map.info.parameters_json, map.chain);
+  map.info.digest = map_digest(map.info.parameters_json, map.chain, map.info.drifts);
 }
 
 Result<std::vector<PosedScan>> read_key_frames(Database& database, const MapInfo& info) {
@@ -318,7 +320,10 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
       info.max_y = growth.max_y;
     }
     info.updated = now;
-    if (!growth.new_key_frames.empty()) seal_revision(*map);
+    if (!growth.new_key_frames.empty()) {
+      info.drifts = growth.drifts;
+      seal_revision(*map);
+    }
     update_map(*database_, *map);
     transaction.commit();
     return std::move(info);
@@ -383,6 +388,7 @@ Result<MapArchive> MapStore::archive(std::string_view name) {
                        .digest = info.digest,
                        .stamps = {},
                        .key_frames = {},
+                       .drifts = info.drifts,
                        .floor_map = {}};
     Result<std::vector<PosedScan>> key_frames = read_key_frames(*database_, info);
     if (!key_frames) return key_frames.error();
@@ -414,6 +420,7 @@ Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archi
     map.info.lidar_json = archive.lidar_json;
     map.info.parameters_json = archive.parameters_json;
     map.info.revision = archive.revision;
+    map.info.drifts = archive.drifts;
     map.info.key_frame_count = 0;
     map.info.created = map.info.updated = now;
     insert_map(*database_, map);
@@ -425,7 +432,7 @@ Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archi
       map.chain = hash_of(*archive.floor_map);
       insert_floor_map(*database_, map.info.id, *archive.floor_map);
     }
-    map.info.digest = map_digest(archive.parameters_json, map.chain);
+    map.info.digest = map_digest(archive.parameters_json, map.chain, archive.drifts);
     update_map(*database_, map);
     transaction.commit();
     return std::move(map.info);
@@ -462,7 +469,8 @@ Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t exp
     }
     const KeyFrameChain chain_before = map->chain;
     rewrite_key_frames(*database_, *map, *key_frames);
-    if (map->chain == chain_before) return std::move(map->info);  // Nothing has moved.
+    const bool drifted = std::exchange(map->info.drifts, false);
+    if (!drifted && map->chain == chain_before) return std::move(map->info);  // Nothing has moved.
     set_bounds(map->info, *key_frames);
     map->info.updated = now;
     seal_revision(*map);

@@ -40,6 +40,8 @@ struct MapInfo {
   std::string updated;
   std::string lidar_json;       ///< As given by PUT, or empty; opaque to this module.
   std::string parameters_json;  ///< As given by PUT, or empty; opaque to this module.
+  /// The key frames stand at poses of lidar odometry: their trajectory is yet to be optimised.
+  bool drifts = false;
 };
 
 /// What POST …/scans adds in one transaction.
@@ -48,6 +50,7 @@ struct MapGrowth {
   std::span<const PosedScan> new_key_frames;                  ///< In order.
   std::size_t feature_count = 0;                              ///< After the growth.
   double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds after the growth [m].
+  bool drifts = false;  ///< The poses are those of lidar odometry, as MapInfo::drifts.
 };
 
 /// What PUT …/grid makes a map of, in one transaction.
@@ -107,7 +110,8 @@ class MapStore {
   /// The floor map as it was put; kNotFound for a map that was not made from one.
   [[nodiscard]] Result<OccupancyGrid> floor_map(std::int64_t map_id);
   /// New poses for all key frames, in their order; derived content becomes stale and the bounds are
-  /// those of the moved lasers and their returns. The revision stays when no pose differs.
+  /// those of the moved lasers and their returns. The map no longer drifts. The revision stays when
+  /// nothing differs.
   [[nodiscard]] Result<MapInfo> move_key_frames(std::int64_t map_id,
                                                 std::uint64_t expected_revision,
                                                 std::span<const Pose2> T_map_base_link,

@@ -88,7 +88,12 @@ CREATE TABLE map_grids (
 ) STRICT;
 )sql";
 
-constexpr std::array<const char*, 2> kMigrations = {kCreateTables, kCreateMapGrids};
+// Whether the key frames stand where lidar odometry put them.
+constexpr const char* kAddDrift = R"sql(
+ALTER TABLE maps ADD COLUMN drifts INTEGER NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array<const char*, 3> kMigrations = {kCreateTables, kCreateMapGrids, kAddDrift};
 
 }  // namespace
 

@@ -58,6 +58,7 @@ forbid(FILES ${all} EXCEPT "^cli/bag/decompress\\.cpp$" PATTERN "${include}(bzli
 forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httplib"
   REASON "httplib.h is for sources of server and cli, never for a header")
 forbid(FILES ${all} EXCEPT "^core/src/" PATTERN "${include}opencv2" REASON "OpenCV is for core's sources")
+forbid(FILES ${all} EXCEPT "^core/src/pose_graph.cpp$" PATTERN "${include}ceres" REASON "Ceres is for the pose graph")
 
 # The rivals of the benchmarks know core only; what they need of others is behind bench/external.
 sources(rivals bench/rivals)

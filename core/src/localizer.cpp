@@ -6,18 +6,15 @@
 #include <utility>
 
 #include "pose_tracker.hpp"
+#include "scan_motion.hpp"
 #include "thinned.hpp"
 
 namespace cornerfix {
 namespace {
 
 // Matching a scan to the submap.
-constexpr std::size_t kMatchPoints = 360;  // evenly thinned; more do not make the pose better
-constexpr double kMinMatchedShare = 0.3;   // below this a scan does not belong to the submap,
-constexpr double kMinUsualShare = 0.6;     // nor when it matches so much worse than usual
-constexpr double kUsualGain = 0.1;         // by which a scan changes what is usual
-constexpr int kMaxStrayScans =
-    3;  // as many in a row: the robot was carried, the submap begins anew
+constexpr double kMinUsualShare = 0.6;  // a scan that matches so much worse than usual strays
+constexpr double kUsualGain = 0.1;      // by which a scan changes what is usual
 
 constexpr int kMaxStillScans = 10;  // without anything new: say that driving on would help
 
@@ -78,16 +75,6 @@ Pose2 refined(const LocalizationMap& map, const View& view, Pose2 T_map_base_lin
             .T_frame_base_link;
   }
   return T_map_base_link;
-}
-
-/// How sure odometry is of a motion.
-PosePrior odometry_prior(const Pose2& T_submap_base_link, const Pose2& motion, bool has_odometry) {
-  const double way = std::hypot(motion.x, motion.y);
-  const double turn = std::abs(motion.yaw);
-  if (has_odometry)
-    return isotropic_prior(T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way);
-  // Constant velocity is a guess.
-  return isotropic_prior(T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn);
 }
 
 }  // namespace
@@ -169,8 +156,8 @@ struct Localizer::Impl {
     StepTimes times;
     const double begin = now();
     searched = false;
-    const std::vector<Point2> points = transformed_points(
-        robot_scan.T_base_link_laser, thinned(returns_as_points(robot_scan.scan), kMatchPoints));
+    const std::vector<Point2> points =
+        points_to_match(robot_scan.scan, robot_scan.T_base_link_laser);
     move_along(robot_scan, points);
     times.odometry_ms = now() - begin;
 
@@ -209,8 +196,7 @@ struct Localizer::Impl {
     const Pose2 before = T_submap_base_link;
     Pose2 now_at = before * motion;
     if (!points.empty()) {
-      const RefinedPose matched =
-          submap.match(points, odometry_prior(now_at, motion, has_odometry));
+      const RefinedPose matched = submap.match(points, motion_prior(now_at, motion, has_odometry));
       if (belongs_to_submap(matched.inlier_share)) {
         now_at = matched.T_frame_base_link;
         stray_scans = 0;

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include "field_stamp.hpp"
+#include "thinned.hpp"
 
 namespace cornerfix {
 namespace {
 
-constexpr double kMaxLink = 0.5;  // neighbouring returns nearer than this lie on one wall [m]
 constexpr double kCoarseKernel = 0.4;
 constexpr double kFineKernel = 0.12;
 
@@ -68,24 +71,8 @@ void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool rest
 }
 
 void Submap::stamp(const SubmapScan& scan) {
-  const Pose2 T_grid_laser =
-      field_.T_grid_frame() * scan.T_submap_base_link * scan.T_base_link_laser;
-  const double spacing = params_.field_resolution_m;
-  std::optional<Point2> last;
-  for (const Point2& point : returns_as_points(scan.scan)) {
-    const Point2 here = T_grid_laser * point;
-    const double gap = last ? (here - *last).norm() : kMaxLink;
-    if (gap < 0.8 * spacing) continue;
-    // Between returns on one wall the field must be a wall, not a row of dots that attract each
-    // other.
-    const int pieces = gap < kMaxLink ? static_cast<int>(std::ceil(gap / spacing)) : 1;
-    for (int i = 1; i < pieces; ++i) {
-      field_.stamp(*last + (here - *last) * (static_cast<double>(i) / pieces),
-                   params_.stamp_radius_m);
-    }
-    field_.stamp(here, params_.stamp_radius_m);
-    last = here;
-  }
+  stamp_scan(field_, scan.scan, scan.T_submap_base_link * scan.T_base_link_laser,
+             params_.stamp_radius_m, std::numeric_limits<double>::infinity());
 }
 
 void Submap::rebuild_about(const Point2& center) {
@@ -97,11 +84,49 @@ void Submap::rebuild_about(const Point2& center) {
   }
 }
 
-RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior) const {
-  const RefinedPose coarse = refine_pose(field_, points_base_link, prior.T_frame_base_link,
+RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior,
+                          const Pose2& start) const {
+  const RefinedPose coarse = refine_pose(field_, points_base_link, start,
                                          {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
   return refine_pose(field_, points_base_link, coarse.T_frame_base_link,
                      {.kernel_m = kFineKernel, .max_iterations = 6}, prior);
+}
+
+FoundStart Submap::search(std::span<const Point2> points_base_link, const Pose2& middle,
+                          const SearchWindow& window) const {
+  constexpr std::size_t kPoints = 60;
+  constexpr double kShift = 0.15;        // about what match() mends with ease [m]
+  constexpr double kTurn = 0.05;         // [rad]
+  constexpr double kFar = 0.5;           // farther from a wall is no worse [m]
+  constexpr double kCostOfShift = 0.05;  // [m^2/m^2]
+  constexpr double kCostOfTurn = 0.2;    // [m^2/rad^2]
+  std::vector<Point2> points = thinned(points_base_link, kPoints);
+  const int shifts = static_cast<int>(std::lround(window.shift_m / kShift));
+  const int turns = static_cast<int>(std::lround(window.turn_rad / kTurn));
+  FoundStart best{middle, std::numeric_limits<double>::infinity()};
+  std::vector<Point2> turned(points.size());
+  for (int turn = -turns; turn <= turns; ++turn) {
+    const Pose2 at_middle{middle.x, middle.y, wrap_angle(middle.yaw + kTurn * turn)};
+    const Pose2 T_grid_base_link = field_.T_grid_frame() * at_middle;
+    std::ranges::transform(points, turned.begin(),
+                           [&](const Point2& p) { return T_grid_base_link * p; });
+    for (int column = -shifts; column <= shifts; ++column) {
+      for (int row = -shifts; row <= shifts; ++row) {
+        const Point2 shift{kShift * column, kShift * row};
+        double sum = 0.0;
+        for (const Point2& p : turned) {
+          const double d = std::min(kFar, field_.nearest(p + shift));
+          sum += d * d;
+        }
+        const double cost = sum / static_cast<double>(points.size()) +
+                            kCostOfShift * shift.squaredNorm() +
+                            kCostOfTurn * (kTurn * turn) * (kTurn * turn);
+        if (cost >= best.cost) continue;
+        best = {{at_middle.x + shift.x(), at_middle.y + shift.y(), at_middle.yaw}, cost};
+      }
+    }
+  }
+  return best;
 }
 
 std::vector<SubmapScan> Submap::scans() const {

@@ -198,5 +198,37 @@ TEST_F(MapsApiTest, KeepsTheDigestOfTheSameContent) {
   EXPECT_THAT(entry("one")["digest"].get<std::string>(), Not(IsEmpty()));
 }
 
+/// A batch of a drive without poses.
+Json unposed_batch(const testing::RobotDrive& drive, std::size_t begin, std::size_t count) {
+  Json batch = testing::session_batch(drive, begin / count, count);
+  batch.erase("sequence");
+  batch["lidar"] = testing::lidar_json();
+  return batch;
+}
+
+TEST_F(MapsApiTest, MakesAMapOfADriveWithoutPoses) {
+  const testing::RobotDrive drive = testing::robot_drive(60);
+  client_.put("/v1/maps/office", {{"lidar", testing::lidar_json()}});
+  for (const std::size_t begin : {0, 30}) {
+    const Reply taken = client_.post("/v1/maps/office/scans", unposed_batch(drive, begin, 30));
+    ASSERT_EQ(taken.status, 200) << taken.body;
+    EXPECT_EQ(taken.json()["accepted"], 30);
+  }
+  const Reply again = client_.post("/v1/maps/office/scans", unposed_batch(drive, 30, 30));
+  EXPECT_EQ(again.json()["duplicates"], 30);
+  EXPECT_THAT(client_.get("/v1/maps/office/features").json()["features"], Not(IsEmpty()));
+  EXPECT_EQ(client_.get("/v1/maps/office/grid.png").status, 200);
+}
+
+TEST_F(MapsApiTest, RefusesToMixScansWithAndWithoutPoses) {
+  testing::make_room_map(client_, "office");
+  const Json before = entry("office");
+  const Reply refused =
+      client_.post("/v1/maps/office/scans", unposed_batch(testing::robot_drive(10), 0, 10));
+  EXPECT_EQ(refused.status, 409) << refused.body;
+  EXPECT_EQ(refused.json()["code"], "conflict");
+  EXPECT_EQ(entry("office"), before);
+}
+
 }  // namespace
 }  // namespace cornerfix

@@ -39,6 +39,18 @@ struct SubmapScan {
   Pose2 T_submap_base_link;
 };
 
+/// How far around a pose to look for a better one.
+struct SearchWindow {
+  double shift_m = 0.3;    ///< To either side, along both axes; >= 0.
+  double turn_rad = 0.25;  ///< To either side; >= 0.
+};
+
+struct FoundStart {
+  Pose2 T_submap_base_link;
+  double cost = 0.0;  ///< Mean squared distance of the points to walls, and a little for being far
+                      ///< from the middle of the window [m^2].
+};
+
 /// Value type; not synchronised.
 class Submap {
  public:
@@ -53,7 +65,17 @@ class Submap {
 
   /// Lays `points_base_link` on the walls seen so far, starting at the prior. O(points).
   [[nodiscard]] RefinedPose match(std::span<const Point2> points_base_link,
-                                  const PosePrior& prior) const;
+                                  const PosePrior& prior) const {
+    return match(points_base_link, prior, prior.T_frame_base_link);
+  }
+  /// The same, starting elsewhere.
+  [[nodiscard]] RefinedPose match(std::span<const Point2> points_base_link, const PosePrior& prior,
+                                  const Pose2& start) const;
+
+  /// The pose about `middle` whose points lie nearest to walls, for a start that match() would not
+  /// find by itself. O(points * shifts^2 * turns).
+  [[nodiscard]] FoundStart search(std::span<const Point2> points_base_link, const Pose2& middle,
+                                  const SearchWindow& window) const;
 
   [[nodiscard]] bool empty() const { return kept_.empty(); }
   [[nodiscard]] std::size_t size() const { return kept_.size(); }

@@ -210,6 +210,17 @@ TEST(MapScans, TakePosesAndTheMapsLidar) {
   EXPECT_EQ(request.lidar, three_beam_lidar());
 }
 
+TEST(MapScans, AreADriveWhereNoneHasAPose) {
+  const auto request = taken(parse_map_scans(
+      R"({"scans": [{"stamp": 1, "ranges": [1, 2, 3], "odom": {"x": 1, "y": 2, "yaw": 10}},
+                    {"stamp": 2, "ranges": [1, 2, 3], "pose": null}]})",
+      BodyFormat::kJson, three_beam_lidar(), {}));
+  EXPECT_TRUE(request.scans.empty());
+  ASSERT_EQ(request.unposed_scans.size(), 2U);
+  EXPECT_EQ(request.unposed_scans[0].T_odom_base_link, (Pose2{1.0, 2.0, wrap_angle(10.0)}));
+  EXPECT_FALSE(request.unposed_scans[1].T_odom_base_link);
+}
+
 TEST(MapScans, PreferTheLidarOfTheBodyAndCountItsBeams) {
   const auto request = taken(parse_map_scans(
       R"({"lidar": {"angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 5,

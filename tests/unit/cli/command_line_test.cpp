@@ -170,6 +170,36 @@ TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
   EXPECT_EQ(scans[1]["stamp"], 3.0);
 }
 
+TEST_F(CommandLine, BuildsFromAllScansOfTheFirstShareWithoutTheirPoses) {
+  const std::string log = directory_.write("walk.jsonl", walk(12, true)).string();
+  FakeServer server([](const FakeRequest& request) {
+    return FakeAnswer{200, request.method == "GET" ? R"({"features": [{}, {}]})" : "{}"};
+  });
+  const Outcome outcome = run({"map", "build", "attic", log.c_str(), "--slam", "--split", "0.5",
+                               "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("attic: 6 scans (0 there already), 0 key frames, 2 features"));
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 3U);
+  const auto scans = nlohmann::json::parse(requests[1].body)["scans"];
+  ASSERT_EQ(scans.size(), 6U);
+  EXPECT_EQ(scans[5], nlohmann::json::parse(R"({"stamp": 5.0, "ranges": [1.0, null],
+      "odom": {"x": 5.0, "y": 0.0, "yaw": 0.0}})"));
+  EXPECT_EQ(requests[2].method + " " + requests[2].path, "GET /v1/maps/attic/features");
+}
+
+TEST_F(CommandLine, BuildsIntoADatabaseFromALogWithoutPoses) {
+  std::string text = kHeader;
+  for (const char* stamp : {"0", "1", "2"})
+    text += R"({"t": )" + std::string(stamp) + R"(, "ranges": [1, 2]})" + "\n";
+  const std::string log = directory_.write("walk.jsonl", text).string();
+  const std::string database = (directory_.path() / "maps.db").string();
+  const Outcome outcome =
+      run({"map", "build", "attic", log.c_str(), "--slam", "--db", database.c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("attic: 3 scans (0 there already), 1 key frames"));
+}
+
 TEST_F(CommandLine, BuildsFromALogThatIsBrokenInPlacesAndTellsHowManyThereAre) {
   const std::string text = walk(6);
   const std::string log = directory_.write("walk.jsonl", text + "oops\n" + "{\n").string();

@@ -141,13 +141,44 @@ TEST_F(EvaluateCommand, LooksInTheMapsOfFurtherLogsAsWell) {
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["starts"], 2);
 }
 
+TEST_F(EvaluateCommand, MakesTheMapWithoutPoses) {
+  const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"),
+                               "--slam", "--starts", "3", "--way", "8", "--track", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["starts"], 3);
+  EXPECT_EQ(summary["false"], 0) << outcome.out;
+  EXPECT_GT(summary["fixed"], 0) << outcome.out;
+}
+
+TEST_F(EvaluateCommand, ScoresATrajectoryFoundWithoutPoses) {
+  const Outcome outcome = run({"slam", path("ask.jsonl")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_GT(summary["keyframes"], 10);
+  EXPECT_EQ(summary["relative_pose_error"][0]["way_m"], 2.0);
+  EXPECT_LT(summary["relative_pose_error"][0]["error_m"]["p50"], 0.1);
+}
+
 TEST_F(EvaluateCommand, EndsArgumentsOutOfRangeWithTwo) {
   const std::vector<std::vector<std::string>> wrong = {
-      {"--split", "1.5"},  {"--split", "blocks:0"}, {"--split", "half"},
-      {"--stride", "0"},   {"--starts", "0"},       {"--near", "-1"},
-      {"--way", "0"},      {"--time", "0"},         {"--track", "-1"},
-      {"--batch", "0"},    {"--batch", "101"},      {"--threads", "0"},
-      {"--threads", "-1"}, {"--method", "guess"},   {"--any-map", "/no/such/log"}};
+      {"--split", "1.5"},
+      {"--split", "blocks:0"},
+      {"--split", "half"},
+      {"--stride", "0"},
+      {"--starts", "0"},
+      {"--near", "-1"},
+      {"--way", "0"},
+      {"--time", "0"},
+      {"--track", "-1"},
+      {"--batch", "0"},
+      {"--batch", "101"},
+      {"--threads", "0"},
+      {"--threads", "-1"},
+      {"--method", "guess"},
+      {"--any-map", "/no/such/log"},
+      {"--slam", "--split", "blocks:5"},
+      {"--slam", "--map-grid", CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml"}};
   for (std::vector<std::string> arguments : wrong) {
     arguments.insert(arguments.begin(), {"evaluate", path("map.jsonl")});
     const Outcome outcome = run(arguments);

@@ -46,6 +46,17 @@ class MapArchiveTest : public ::testing::Test {
     EXPECT_TRUE(store_.grow(map.id, map.revision, growth, "t1"));
   }
 
+  MapInfo grow_drive(const std::string& name, const std::vector<PosedScan>& key_frames) {
+    EXPECT_TRUE(store_.put(name, std::nullopt, std::nullopt, std::nullopt, "t0"));
+    const MapInfo map = store_.find(name).value();
+    const std::vector<double> stamps{9.0, 10.0, 11.0, 12.0};
+    MapGrowth growth;
+    growth.stamps = stamps;
+    growth.new_key_frames = key_frames;
+    growth.drifts = true;
+    return store_.grow(map.id, map.revision, growth, "t1").value();
+  }
+
   std::vector<std::uint8_t> archive_bytes(const std::string& name = "office") {
     return encode_archive(store_.archive(name).value()).value();
   }
@@ -96,6 +107,23 @@ TEST_F(MapArchiveTest, AMapOfAFloorMapComesBackWithItsDigest) {
   EXPECT_EQ(store_.floor_map(restored.id).value(), possible_grid());
 }
 
+TEST_F(MapArchiveTest, AMapThatDriftsComesBackAsSuchWithItsDigest) {
+  const MapInfo before = grow_drive("drive", possible_key_frames(3));
+  const MapArchive archive = decode_archive(archive_bytes("drive")).value();
+  const MapInfo restored = store_.restore("copy", archive, {}, "t2").value();
+  EXPECT_TRUE(restored.drifts);
+  EXPECT_TRUE(store_.find("copy")->drifts);
+  EXPECT_EQ(restored.digest, before.digest);
+  EXPECT_NE(restored.digest, store_.find("office")->digest);  // The same scans, at poses.
+}
+
+TEST_F(MapArchiveTest, RefusesADriveWithoutPosesThatGoesBackInTime) {
+  std::vector<PosedScan> key_frames = possible_key_frames(3);
+  std::swap(key_frames[1].scan.stamp, key_frames[2].scan.stamp);
+  grow_drive("drive", key_frames);
+  EXPECT_THAT(refusal_of(archive_bytes("drive")), HasSubstr("key frame 2: a drive without poses"));
+}
+
 TEST_F(MapArchiveTest, IsNotRestoredOverAnotherMap) {
   const MapArchive archive = decode_archive(archive_bytes()).value();
   EXPECT_EQ(store_.restore("office", archive, {}, "t2").error().code, ErrorCode::kConflict);
@@ -135,6 +163,9 @@ TEST_F(MapArchiveTest, RefusesContentThatCannotBe) {
       {"DELETE FROM stamps WHERE stamp = 11", "its stamp"},
       {"INSERT INTO stamps VALUES (9e999)", "not finite"},
       {"INSERT INTO floor_map VALUES (zeroblob(40))", "floor map"},
+      {"UPDATE map SET drifts = 1", "digest"},
+      {"UPDATE map SET drifts = 2", "drifts"},
+      {"DELETE FROM key_frames; UPDATE map SET drifts = 1", "drifts without a key frame"},
   };
   for (const auto& [sql, reason] : cases) {
     EXPECT_THAT(refusal_after(sql), HasSubstr(reason)) << sql;

@@ -80,6 +80,25 @@ TEST_P(OlderSchema, OpensAndServes) {
   EXPECT_EQ(store.find("office")->name, "office");
 }
 
+TEST(Schema, TakesMapsOfOlderSchemasForMapsAtPoses) {
+  const TempDirectory directory;
+  {
+    SQLite::Database older((directory / "maps.db").string(),
+                           SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    ASSERT_TRUE(migrate(older, migrations().first(2)));
+    older.exec(
+        "INSERT INTO maps (name, description, revision, digest, key_frame_chain, key_frame_count, "
+        "feature_count, created, updated, lidar_json, parameters_json) VALUES ('office', '', 7, "
+        "'abc', zeroblob(32), 0, 0, 't0', 't1', '', '')");
+  }
+  MapStore store(open_database(directory / "maps.db"));
+  const MapInfo map = store.find("office").value();
+  EXPECT_FALSE(map.drifts);
+  EXPECT_FALSE(map.has_floor_map);
+  EXPECT_EQ(map.revision, 7U);
+  EXPECT_EQ(map.digest, "abc");
+}
+
 TEST(Schema, HasStrictTablesOnly) {
   SQLite::Database database = memory_database();
   ASSERT_TRUE(migrate(database, migrations()));

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
+
+#include "cli/command.hpp"
+#include "cli/progress.hpp"
+#include "cli/slam_run.hpp"
+#include "cli/trajectory_score.hpp"
+#include "cli/whole_log.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+struct SlamArguments {
+  std::string log;
+  std::string lidar;
+  bool no_odometry = false;
+};
+
+double rounded(double value) { return std::round(1e4 * value) / 1e4; }
+
+nlohmann::ordered_json spread(std::vector<double> values, double unit) {
+  std::ranges::sort(values);
+  const auto count = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  const auto at = [&](double share) {
+    return rounded(values[static_cast<std::size_t>(share * (count - 1.0))] / unit);
+  };
+  return {{"mean", rounded(mean / unit)}, {"p50", at(0.5)}, {"p95", at(0.95)}, {"max", at(1.0)}};
+}
+
+nlohmann::ordered_json error_json(const RelativePoseError& error) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  return {{"way_m", error.way_m},
+          {"relations", error.errors_m.size()},
+          {"error_m", spread(error.errors_m, 1.0)},
+          {"error_deg", spread(error.errors_rad, kDegree)}};
+}
+
+int run_slam_command(const SlamArguments& arguments) {
+  const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar);
+  if (!log) return fail(log.error());
+  Progress progress("slam");
+  const std::clock_t begin = std::clock();
+  const Result<SlamRun> run = run_slam(log->scans, !arguments.no_odometry, {},
+                                       [&](double share) { progress.update(share); });
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  if (!run) return fail(run.error());
+  nlohmann::ordered_json summary = {{"log", log->header.name},
+                                    {"scans", log->scans.size()},
+                                    {"keyframes", run->key_scans.size()},
+                                    {"submaps", run->submaps},
+                                    {"loop_closures", run->loop_closures},
+                                    {"cpu_seconds", rounded(seconds)}};
+  for (const double way_m : {2.0, 20.0}) {
+    const RelativePoseError error = relative_pose_error(log->scans, run->T_map_laser, way_m);
+    if (!error.errors_m.empty()) summary["relative_pose_error"].push_back(error_json(error));
+  }
+  std::printf("%s\n", summary.dump(1).c_str());
+  return kDone;
+}
+
+}  // namespace
+
+void add_slam_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SlamArguments>();
+  CLI::App* command = app.add_subcommand(
+      "slam", "Find the trajectory of a log without its poses, and score it against them");
+  command->footer(
+      "Prints the error of relative poses (Kuemmerle et al. 2009) between reference poses 2 m and "
+      "20 m of way apart.");
+  command->add_option("LOG", arguments->log, "Recorded drive")
+      ->required()
+      ->check(CLI::ExistingFile);
+  add_lidar_option(*command, arguments->lidar);
+  command->add_flag("--no-odom", arguments->no_odometry, "Use the scans alone");
+  command->callback([arguments, &exit_code] { exit_code = run_slam_command(*arguments); });
+}
+
+}  // namespace cornerfix::cli

@@ -1,0 +1,17 @@
+/// \file  A recorded drive read into memory the way commands do it: people see how far it is, and
+/// what they should know of the log.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "cli/log_reader.hpp"
+
+namespace cornerfix::cli {
+
+/// \param lidar   As in LogReader::open().
+/// \param stride  n keeps every n-th scan, from the first.
+[[nodiscard]] Result<RecordedLog> read_whole_log(const std::string& path, const std::string& lidar,
+                                                 std::size_t stride = 1);
+
+}  // namespace cornerfix::cli
