@@ -230,8 +230,9 @@ Result<OptimizedTrajectory> optimize_trajectory(std::span<const PosedScan> drive
   };
   constexpr double kPlacingShare = 0.6;  // of the work
 
-  std::vector<DriveSubmap> submaps;
   const std::vector<DrivePiece> pieces = cut_drive(drive);
+  std::vector<DriveSubmap> submaps;
+  submaps.reserve(pieces.size());
   for (const DrivePiece piece : pieces) submaps.push_back(make_drive_submap(drive, piece));
   SubmapPlacer placer(submaps);
   for (std::size_t k = 0; k < submaps.size(); ++k) {
