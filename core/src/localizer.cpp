@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "pose_tracker.hpp"
@@ -265,6 +266,9 @@ struct Localizer::Impl {
     judge(seen, found);
     if (search_due()) {
       add_places(seen);
+      // A place found late may be worth a deeper look than the maps before it were given.
+      if (!candidates.empty() && may_be_fix() && rival_margin < margin_to_look_at())
+        add_places(seen);
       searched = true;
       searched_ends = submap.evidence().ends.size();
       searched_way_m = way_m;
@@ -342,16 +346,19 @@ struct Localizer::Impl {
     double best_mean = kMinRivalWeight + kRivalMargin;
     for (const Candidate& candidate : candidates)
       best_mean = std::max(best_mean, optimistic_mean(view, candidate));
+    double looked_down_to = -std::numeric_limits<double>::infinity();
     for (std::size_t map = 0; map < maps.size(); ++map) {
       PlaceSearch::Run run(maps[map]->place_search(), view.evidence.ends, view.way, {});
       for (std::size_t places = 0; places < kMaxCandidates; ++places) {
-        rival_margin = margin_to_look_at();
-        const std::optional<Place> place = run.next(best_mean - rival_margin);
+        // What was passed over once stays so, even if a better place lowers the limit.
+        looked_down_to = std::max(looked_down_to, best_mean - margin_to_look_at());
+        const std::optional<Place> place = run.next(looked_down_to);
         if (!place) break;
         best_mean = std::max(best_mean, place->mean_weight);
         consider(view, {map, place->T_map_base_link * inverse(T_submap_base_link), 0, 0, {}});
       }
     }
+    rival_margin = std::min(kRivalMargin, best_mean - looked_down_to);
   }
 
   /// What the search says of a candidate.

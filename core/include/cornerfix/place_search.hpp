@@ -109,6 +109,7 @@ class PlaceSearch::Run {
 
   /// The best place that was not given yet, or nothing when none has at least this mean weight
   /// [nat].
+  /// From call to call that may only rise: what lies below it is forgotten.
   [[nodiscard]] std::optional<Place> next(double min_mean_weight);
 
  private:

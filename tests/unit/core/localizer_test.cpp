@@ -373,6 +373,21 @@ TEST(Localizer, TheSamePlaceInTwoMapsIsAmbiguous) {
   EXPECT_EQ(answers.back().status, Status::kAmbiguous);
 }
 
+TEST(Localizer, TwinsAmongManyMapsGetNoFixInWhateverOrderTheyAreSearched) {
+  for (std::uint64_t seed = 41; seed < 44; ++seed) {
+    const SceneBuilder room = testing::random_room(seed);
+    std::vector<LocalizationMapPtr> maps{
+        room_map(seed + 10), testing::make_map(room, {0.0, 0.0}, "one"), room_map(seed + 20),
+        room_map(seed + 30), testing::make_map(room, {0.0, 0.0}, "other")};
+    for (std::size_t turn = 0; turn < maps.size(); ++turn) {
+      std::rotate(maps.begin(), maps.begin() + 1, maps.end());
+      const std::vector<Answer> answers =
+          answers_of(maps, with(Method::kIndexed), room_drive(seed, 12));
+      EXPECT_EQ(count(answers, Status::kLocalized), 0U) << "seed " << seed << ", turn " << turn;
+    }
+  }
+}
+
 TEST(Localizer, WithoutMapsIsCollecting) {
   for (const Method method : kMethods) {
     const std::vector<Answer> answers = answers_of({}, with(method), room_drive(1, 8));
