@@ -12,7 +12,7 @@ namespace cornerfix::cli {
 
 namespace {
 
-Error malformed(std::string message) { return {ErrorCode::kMalformed, std::move(message), ""}; }
+Error damaged(std::string message) { return {ErrorCode::kMalformed, std::move(message), ""}; }
 
 /// Output that grows block by block up to the size that was told and one byte more, by which too
 /// much is noticed.
@@ -30,8 +30,8 @@ class Output {
 
   Result<std::vector<std::byte>> take() && {
     if (used_ + 1 != limit_) {
-      return malformed("the chunk unpacks to " + std::string(used_ == limit_ ? "more" : "fewer") +
-                       " bytes than the " + std::to_string(limit_ - 1) + " told");
+      return damaged("the chunk unpacks to " + std::string(used_ == limit_ ? "more" : "fewer") +
+                     " bytes than the " + std::to_string(limit_ - 1) + " told");
     }
     bytes_.resize(used_);
     return std::move(bytes_);
@@ -48,7 +48,7 @@ char* as_chars(std::byte* bytes) { return reinterpret_cast<char*>(bytes); }  // 
 
 Result<std::vector<std::byte>> unpack_bz2(std::span<const std::byte> packed, std::size_t size) {
   bz_stream stream{};
-  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return malformed("bz2 cannot start");
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return damaged("bz2 cannot start");
   const std::unique_ptr<bz_stream, int (*)(bz_stream*)> end(&stream, BZ2_bzDecompressEnd);
   stream.next_in = as_chars(const_cast<std::byte*>(packed.data()));  // NOLINT: only read
   stream.avail_in = static_cast<unsigned>(packed.size());
@@ -65,14 +65,14 @@ Result<std::vector<std::byte>> unpack_bz2(std::span<const std::byte> packed, std
     output.use(written);
     if (status == BZ_OK && written == 0 && stream.avail_in == in_before) break;
   }
-  if (status != BZ_OK && status != BZ_STREAM_END) return malformed("the bz2 chunk is damaged");
+  if (status != BZ_OK && status != BZ_STREAM_END) return damaged("the bz2 chunk is damaged");
   return std::move(output).take();
 }
 
 Result<std::vector<std::byte>> unpack_lz4(std::span<const std::byte> packed, std::size_t size) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) {
-    return malformed("lz4 cannot start");
+    return damaged("lz4 cannot start");
   }
   const std::unique_ptr<LZ4F_dctx, LZ4F_errorCode_t (*)(LZ4F_dctx*)> end(
       context, LZ4F_freeDecompressionContext);
@@ -83,7 +83,7 @@ Result<std::vector<std::byte>> unpack_lz4(std::span<const std::byte> packed, std
     std::size_t written = room.size();
     std::size_t read = packed.size();
     wanted = LZ4F_decompress(context, room.data(), &written, packed.data(), &read, nullptr);
-    if (LZ4F_isError(wanted) != 0U) return malformed("the lz4 chunk is damaged");
+    if (LZ4F_isError(wanted) != 0U) return damaged("the lz4 chunk is damaged");
     output.use(written);
     packed = packed.subspan(read);
     if (written == 0 && read == 0) break;
@@ -94,7 +94,7 @@ Result<std::vector<std::byte>> unpack_lz4(std::span<const std::byte> packed, std
 Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, std::size_t size) {
   const std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> stream(ZSTD_createDStream(),
                                                                              ZSTD_freeDStream);
-  if (stream == nullptr) return malformed("zstd cannot start");
+  if (stream == nullptr) return damaged("zstd cannot start");
   Output output(size);
   ZSTD_inBuffer in{packed.data(), packed.size(), 0};
   std::size_t wanted = 1;
@@ -103,7 +103,7 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, st
     const std::size_t in_before = in.pos;
     ZSTD_outBuffer out{room.data(), room.size(), 0};
     wanted = ZSTD_decompressStream(stream.get(), &out, &in);
-    if (ZSTD_isError(wanted) != 0U) return malformed("the zstd chunk is damaged");
+    if (ZSTD_isError(wanted) != 0U) return damaged("the zstd chunk is damaged");
     output.use(out.pos);
     if (out.pos == 0 && in.pos == in_before) break;
   }
@@ -124,10 +124,10 @@ Result<std::vector<std::byte>> decompress(std::string_view compression,
   if (compression == "lz4") return unpack_lz4(packed, size);
   if (compression == "zstd") return unpack_zstd(packed, size);
   if (compression.empty() || compression == "none") {
-    if (packed.size() != size) return malformed("the chunk has not the size told");
+    if (packed.size() != size) return damaged("the chunk has not the size told");
     return std::vector<std::byte>(packed.begin(), packed.end());
   }
-  return malformed("unknown compression '" + std::string(compression) + "'");
+  return damaged("unknown compression '" + std::string(compression) + "'");
 }
 
 }  // namespace cornerfix::cli

@@ -14,15 +14,17 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-constexpr std::size_t kMagicBytes = 8;
+constexpr std::size_t kMcapMagicBytes = 8;
 
-enum Op : std::uint8_t {
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kDataEnd = 0x0f,
+struct McapOp {
+  enum : std::uint8_t {
+    kFooter = 0x02,
+    kSchema = 0x03,
+    kChannel = 0x04,
+    kMessage = 0x05,
+    kChunk = 0x06,
+    kDataEnd = 0x0f,
+  };
 };
 
 class Mcap final : public MessageSource {
@@ -60,8 +62,9 @@ class Mcap final : public MessageSource {
       return std::nullopt;
     }
     // Behind the data are indices and the same schemas and channels again.
-    is_at_end_ = op == kDataEnd || op == kFooter;
-    const bool is_of_use = op == kSchema || op == kChannel || op == kMessage || op == kChunk;
+    is_at_end_ = op == McapOp::kDataEnd || op == McapOp::kFooter;
+    const bool is_of_use = op == McapOp::kSchema || op == McapOp::kChannel ||
+                           op == McapOp::kMessage || op == McapOp::kChunk;
     if (is_of_use && size > kMaxChunkBytes) {
       faults.add(where, "a record of " + std::to_string(size) + " bytes");
     }
@@ -74,7 +77,7 @@ class Mcap final : public MessageSource {
       is_at_end_ = true;
       return std::nullopt;
     }
-    if (op != kChunk) return take(op, record_, where, faults);
+    if (op != McapOp::kChunk) return take(op, record_, where, faults);
     open_chunk(where, faults);
     return std::nullopt;
   }
@@ -112,9 +115,9 @@ class Mcap final : public MessageSource {
                                       LogFaults& faults) {
     WireReader reader(record);
     std::optional<RecordedMessage> message;
-    if (op == kSchema) add_schema(reader);
-    if (op == kChannel) add_channel(reader);
-    if (op == kMessage) message = message_of(reader, where);
+    if (op == McapOp::kSchema) add_schema(reader);
+    if (op == McapOp::kChannel) add_channel(reader);
+    if (op == McapOp::kMessage) message = message_of(reader, where);
     if (reader.ok()) return message;
     faults.add(where, "a record that ends too early");
     return std::nullopt;
@@ -164,7 +167,7 @@ class Mcap final : public MessageSource {
 Result<std::unique_ptr<MessageSource>> open_mcap_messages(const std::filesystem::path& path) {
   Result<BinaryFile> file = BinaryFile::open(path);
   if (!file) return file.error();
-  if (!file->skip(kMagicBytes)) {
+  if (!file->skip(kMcapMagicBytes)) {
     return Error{ErrorCode::kMalformed, "ends within its magic", path.string()};
   }
   return std::unique_ptr<MessageSource>(std::make_unique<Mcap>(std::move(*file)));

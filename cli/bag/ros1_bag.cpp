@@ -14,10 +14,12 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-constexpr std::size_t kMagicBytes = sizeof "#ROSBAG V2.0\n" - 1;
+constexpr std::size_t kBagMagicBytes = sizeof "#ROSBAG V2.0\n" - 1;
 constexpr std::uint32_t kMaxHeaderBytes = 1U << 20U;
 
-enum Op : std::uint8_t { kMessage = 0x02, kChunk = 0x05, kConnection = 0x07 };
+struct BagOp {
+  enum : std::uint8_t { kMessage = 0x02, kChunk = 0x05, kConnection = 0x07 };
+};
 
 /// The fields name=value of a record's header; views of its bytes.
 class Fields {
@@ -90,8 +92,8 @@ class Ros1Bag final : public MessageSource {
     std::vector<std::byte> length;
     if (!file_.read(sizeof(std::uint32_t), length)) return ends_here("a record that is cut off");
     const auto size = WireReader(length).number<std::uint32_t>();
-    if (*op != kChunk || size > kMaxChunkBytes) {
-      if (*op == kChunk) faults.add(where, "a chunk of " + std::to_string(size) + " bytes");
+    if (*op != BagOp::kChunk || size > kMaxChunkBytes) {
+      if (*op == BagOp::kChunk) faults.add(where, "a chunk of " + std::to_string(size) + " bytes");
       if (!file_.skip(size)) return ends_here("a record that is cut off");
       return std::nullopt;
     }
@@ -133,8 +135,8 @@ class Ros1Bag final : public MessageSource {
     }
     const auto connection = fields->number<std::uint32_t>("conn");
     if (!connection) return std::nullopt;
-    if (*op == kConnection) add_connection(*connection, *fields, data);
-    if (*op == kMessage) return message_of(*connection, *fields, data);
+    if (*op == BagOp::kConnection) add_connection(*connection, *fields, data);
+    if (*op == BagOp::kMessage) return message_of(*connection, *fields, data);
     return std::nullopt;
   }
 
@@ -164,7 +166,7 @@ class Ros1Bag final : public MessageSource {
 Result<std::unique_ptr<MessageSource>> open_ros1_messages(const std::filesystem::path& path) {
   Result<BinaryFile> file = BinaryFile::open(path);
   if (!file) return file.error();
-  if (!file->skip(kMagicBytes)) {
+  if (!file->skip(kBagMagicBytes)) {
     return Error{ErrorCode::kMalformed, "ends within its first line", path.string()};
   }
   return std::unique_ptr<MessageSource>(std::make_unique<Ros1Bag>(std::move(*file)));

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "pose_tracker.hpp"
+#include "same_place.hpp"
 #include "scan_motion.hpp"
-#include "thinned.hpp"
 
 namespace cornerfix {
 namespace {
@@ -21,14 +21,10 @@ constexpr int kMaxStillScans = 10;  // without anything new: say that driving on
 
 // Candidates.
 constexpr std::size_t kMaxCandidates = 12;
-constexpr double kDistinctDistance = 1.0;  // places nearer than this and
-constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
-constexpr std::size_t kRefinePoints = 200;
 constexpr double kRivalMargin =
     0.75;  // mean log-likelihood below the best at which a rival cannot matter [nat]
 constexpr double kSeedMargin = 0.15;   // the same when there will be no fix now: what may win later
 constexpr double kSearchSlack = 0.05;  // by which the search may misjudge a place [nat]
-constexpr double kMinRivalWeight = -0.5;  // below this a place is no candidate at all
 
 // Taking a pose back.
 constexpr double kMaxMisfitWay = 1.5;  // driven while the scans do not fit [m],
@@ -65,17 +61,6 @@ View mirrored(View view) {
     for (Point2& p : *points) p.y() = -p.y();
   }
   return view;
-}
-
-/// Lays the view on the walls about a pose, coarsely, then finely.
-Pose2 refined(const LocalizationMap& map, const View& view, Pose2 T_map_base_link) {
-  const std::vector<Point2> ends = thinned(view.evidence.ends, kRefinePoints);
-  for (const double kernel_m : {0.4, 0.1}) {
-    T_map_base_link =
-        refine_pose(map.field(), ends, T_map_base_link, {.kernel_m = kernel_m, .max_iterations = 8})
-            .T_frame_base_link;
-  }
-  return T_map_base_link;
 }
 
 }  // namespace
@@ -343,7 +328,7 @@ struct Localizer::Impl {
   /// them.
   void add_places(const View& view) {
     // What no map may fall far below, from one map to the next.
-    double best_mean = kMinRivalWeight + kRivalMargin;
+    double best_mean = kMinPlaceWeight + kRivalMargin;
     for (const Candidate& candidate : candidates)
       best_mean = std::max(best_mean, optimistic_mean(view, candidate));
     double looked_down_to = -std::numeric_limits<double>::infinity();
@@ -378,7 +363,8 @@ struct Localizer::Impl {
                                    .max_mean_gap = kSearchSlack};
     const auto places = map.place_search().find(image.evidence.ends, image.way, search);
     return std::any_of(places.begin(), places.end(), [&](const Place& place) {
-      const Pose2 T_map_base_link = refined(map, image, place.T_map_base_link);
+      const Pose2 T_map_base_link =
+          refined_coarse_to_fine(map.field(), image.evidence.ends, place.T_map_base_link);
       return score_evidence(map.classes(), image.evidence, T_map_base_link).fit >= best.score.fit;
     });
   }
@@ -403,7 +389,8 @@ struct Localizer::Impl {
 
   void consider(const View& view, Candidate candidate) {
     const LocalizationMap& map = *maps[candidate.map];
-    const Pose2 T_map_base_link = refined(map, view, candidate.T_map_submap * T_submap_base_link);
+    const Pose2 T_map_base_link = refined_coarse_to_fine(
+        map.field(), view.evidence.ends, candidate.T_map_submap * T_submap_base_link);
     candidate.T_map_submap = T_map_base_link * inverse(T_submap_base_link);
     candidate.score = score_evidence(map.classes(), view.evidence, T_map_base_link);
     if (Candidate* same = find_same_place(candidate)) {
@@ -431,10 +418,7 @@ struct Localizer::Impl {
     const Pose2 T_map_base_link = candidate.T_map_submap * T_submap_base_link;
     for (Candidate& known : candidates) {
       const Pose2 other = known.T_map_submap * T_submap_base_link;
-      if (known.map == candidate.map && distance(other, T_map_base_link) < kDistinctDistance &&
-          angle_between(other, T_map_base_link) < kDistinctAngle) {
-        return &known;
-      }
+      if (known.map == candidate.map && is_same_place(other, T_map_base_link)) return &known;
     }
     return nullptr;
   }
@@ -455,7 +439,7 @@ struct Localizer::Impl {
   /// When there is no other place within `margin`, a beam end.
   [[nodiscard]] double gap_without_rivals(double margin) const {
     const EvidenceScore& best = candidates.front().score;
-    return std::min(best.log_likelihood - kMinRivalWeight * best.ends, margin * best.ends);
+    return std::min(best.log_likelihood - kMinPlaceWeight * best.ends, margin * best.ends);
   }
 
   [[nodiscard]] bool acceptable(double gap) const {

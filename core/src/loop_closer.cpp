@@ -7,16 +7,13 @@
 #include <cornerfix/localizer_params.hpp>
 #include <cornerfix/scan_refiner.hpp>
 
+#include "same_place.hpp"
 #include "thinned.hpp"
 
 namespace cornerfix {
 namespace {
 
-constexpr double kDistinctDistance = 1.0;  // places nearer than this and
-constexpr double kDistinctAngle = 0.26;    // turned by less than this are one
-constexpr double kRivalMargin = 0.5;       // mean log-likelihood below the best that is looked at
-constexpr double kMinRivalWeight = -0.5;   // below this a place is none [nat]
-constexpr std::size_t kRefinePoints = 200;
+constexpr double kLoopRivalMargin = 0.5;  // mean log-likelihood below the best that is looked at
 
 // Of points on a submap's walls.
 constexpr double kMinInlierShare = 0.55;
@@ -25,42 +22,28 @@ constexpr double kMaxTurn = 0.12;      // [rad]
 constexpr double kLeastSigmaM = 0.02;  // what the submap itself may be bent by
 constexpr double kLeastSigmaRad = 0.005;
 
-struct Candidate {
+struct LoopCandidate {
   Pose2 T_map_submap;
   EvidenceScore score;
 };
 
-Pose2 refined(const SubmapMosaic& mosaic, std::span<const Point2> points, Pose2 T_map_submap) {
-  for (const double kernel_m : {0.4, 0.1}) {
-    T_map_submap = refine_pose(mosaic.field(), points, T_map_submap,
-                               {.kernel_m = kernel_m, .max_iterations = 8})
-                       .T_frame_base_link;
-  }
-  return T_map_submap;
-}
-
-bool is_same_place(const Pose2& a, const Pose2& b) {
-  return distance(a, b) < kDistinctDistance && angle_between(a, b) < kDistinctAngle;
-}
-
 /// Refined and scored, each place once, best first.
-std::vector<Candidate> candidates_in(const SubmapMosaic& mosaic, const DriveSubmap& submap,
-                                     const Pose2& T_map_submap_predicted) {
+std::vector<LoopCandidate> candidates_in(const SubmapMosaic& mosaic, const DriveSubmap& submap,
+                                         const Pose2& T_map_submap_predicted) {
   std::vector<Pose2> starts{T_map_submap_predicted};
   for (const Place& place : mosaic.place_search().find(submap.evidence.ends, thinned(submap.way, 8),
-                                                       {.max_mean_gap = kRivalMargin}))
+                                                       {.max_mean_gap = kLoopRivalMargin}))
     starts.push_back(place.T_map_base_link);
-  const std::vector<Point2> points = thinned(submap.evidence.ends, kRefinePoints);
-  std::vector<Candidate> all;
+  std::vector<LoopCandidate> all;
   for (const Pose2& start : starts) {
-    const Pose2 T = refined(mosaic, points, start);
+    const Pose2 T = refined_coarse_to_fine(mosaic.field(), submap.evidence.ends, start);
     all.push_back({T, score_evidence(mosaic.classes(), submap.evidence, T)});
   }
   std::ranges::stable_sort(all, std::ranges::greater{},
-                           [](const Candidate& one) { return one.score.fit; });
-  std::vector<Candidate> distinct;
-  for (const Candidate& one : all) {
-    const bool known = std::ranges::any_of(distinct, [&](const Candidate& other) {
+                           [](const LoopCandidate& one) { return one.score.fit; });
+  std::vector<LoopCandidate> distinct;
+  for (const LoopCandidate& one : all) {
+    const bool known = std::ranges::any_of(distinct, [&](const LoopCandidate& other) {
       return is_same_place(one.T_map_submap, other.T_map_submap);
     });
     if (!known) distinct.push_back(one);
@@ -69,12 +52,12 @@ std::vector<Candidate> candidates_in(const SubmapMosaic& mosaic, const DriveSubm
 }
 
 /// Whether the first of `places` explains what was seen, and better than all others.
-bool is_certain(std::span<const Candidate> places) {
+bool is_certain(std::span<const LoopCandidate> places) {
   if (places.empty() || places.front().score.ends == 0) return false;
   const EvidenceScore& best = places.front().score;
   double gap =
-      std::min(best.log_likelihood - kMinRivalWeight * best.ends, kRivalMargin * best.ends);
-  for (const Candidate& rival : places.subspan(1))
+      std::min(best.log_likelihood - kMinPlaceWeight * best.ends, kLoopRivalMargin * best.ends);
+  for (const LoopCandidate& rival : places.subspan(1))
     gap = std::min(gap, best.log_likelihood - rival.score.log_likelihood);
   const AcceptanceParams acceptance;
   return gap >= acceptance.min_mean_gap * best.ends && gap >= acceptance.min_gap &&
@@ -85,9 +68,9 @@ bool is_certain(std::span<const Candidate> places) {
 
 std::optional<FoundPlace> find_place(const DriveSubmap& submap, const SubmapMosaic& mosaic,
                                      const Pose2& T_map_submap_predicted, const DriftBound& drift) {
-  const std::vector<Candidate> all = candidates_in(mosaic, submap, T_map_submap_predicted);
-  std::vector<Candidate> near;
-  std::ranges::copy_if(all, std::back_inserter(near), [&](const Candidate& one) {
+  const std::vector<LoopCandidate> all = candidates_in(mosaic, submap, T_map_submap_predicted);
+  std::vector<LoopCandidate> near;
+  std::ranges::copy_if(all, std::back_inserter(near), [&](const LoopCandidate& one) {
     return distance(one.T_map_submap, T_map_submap_predicted) <= drift.position_m &&
            angle_between(one.T_map_submap, T_map_submap_predicted) <= drift.yaw_rad;
   });

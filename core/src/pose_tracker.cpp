@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <cornerfix/evidence_model.hpp>
@@ -62,9 +63,11 @@ PoseTracker::PoseTracker(const Pose2& T_map_base_link)
                                   squared(kFixSigmaYaw)}
                       .asDiagonal()) {}
 
-PoseTracker::PoseTracker(const Pose2& T_map_base_link, const Eigen::Matrix3d& filtered_covariance,
+PoseTracker::PoseTracker(const Pose2& T_map_base_link, Eigen::Matrix3d filtered_covariance,
                          std::optional<double> usual_fit)
-    : T_map_base_link_(T_map_base_link), covariance_(filtered_covariance), usual_fit_(usual_fit) {}
+    : T_map_base_link_(T_map_base_link),
+      covariance_(std::move(filtered_covariance)),
+      usual_fit_(usual_fit) {}
 
 void PoseTracker::predict(const Pose2& motion, bool matched) {
   const Pose2 before = T_map_base_link_;

@@ -28,7 +28,7 @@ class PoseTracker {
   PoseTracker() = default;
   explicit PoseTracker(const Pose2& T_map_base_link);
   /// Goes on from what filtered_covariance() and usual_fit() said.
-  PoseTracker(const Pose2& T_map_base_link, const Eigen::Matrix3d& filtered_covariance,
+  PoseTracker(const Pose2& T_map_base_link, Eigen::Matrix3d filtered_covariance,
               std::optional<double> usual_fit);
 
   /// The robot moved by `motion`, from base_link to base_link.
