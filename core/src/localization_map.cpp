@@ -10,14 +10,16 @@ LocalizationMap::LocalizationMap(std::string name, std::uint64_t revision, MapCo
       features_(std::move(content.features)),
       grid_(std::move(content.grid)),
       descriptor_index_(content.descriptors),
+      triangle_index_(features_, {}),
       field_(grid_),
       classes_(grid_, field_),
       place_search_(classes_) {}
 
 std::size_t LocalizationMap::bytes() const {
   return sizeof(LocalizationMap) + features_.size() * sizeof(Feature) +
-         grid_.cells.size() * sizeof(Cell) + descriptor_index_.bytes() + field_.steps().size() +
-         classes_.bytes() + place_search_.bytes();
+         grid_.cells.size() * sizeof(Cell) + descriptor_index_.bytes() +
+         triangle_index_.memory_bytes() + field_.steps().size() + classes_.bytes() +
+         place_search_.bytes();
 }
 
 }  // namespace cornerfix

@@ -385,6 +385,26 @@ double PlaceSearch::mean_weight(std::span<const Point2> ends_base_link,
   return points.mean_of(sum(ends_, points.ends) + sum(way_, points.way));
 }
 
+double PlaceSearch::sum_of_weights(std::span<const Point2> ends_base_link,
+                                   const Pose2& T_map_base_link) const {
+  const Pose2 T_grid_base_link = inverse(T_map_grid_) * T_map_base_link;
+  const double c = std::cos(T_grid_base_link.yaw) / cell_m_;
+  const double s = std::sin(T_grid_base_link.yaw) / cell_m_;
+  const Point2 origin = T_grid_base_link.translation() / cell_m_;
+  int sum = 0;
+  for (const Point2& p : ends_base_link) {
+    const auto column = static_cast<int>(std::floor(origin.x() + c * p.x() - s * p.y()));
+    const auto row = static_cast<int>(std::floor(origin.y() + s * p.x() + c * p.y()));
+    if (column < -kBorder || row < -kBorder || column + kBorder >= width_ ||
+        row + kBorder >= height_)
+      continue;
+    const std::ptrdiff_t at =
+        std::ptrdiff_t{row + kBorder} * width_ + std::ptrdiff_t{column + kBorder};
+    sum += static_cast<int>(ends_.blocks_below.front()[static_cast<std::size_t>(at)] & 0xFFU);
+  }
+  return sum / kStepsPerNat + kLowestWeight * static_cast<double>(ends_base_link.size());
+}
+
 /// What a run has looked at.
 struct PlaceSearch::Run::State {
   State(const PlaceSearch& the_search, std::span<const Point2> ends_base_link,

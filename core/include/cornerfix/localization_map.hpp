@@ -10,6 +10,7 @@
 #include <cornerfix/evidence_model.hpp>
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/place_search.hpp>
+#include <cornerfix/triangle_index.hpp>
 
 namespace cornerfix {
 
@@ -24,6 +25,7 @@ class LocalizationMap {
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   [[nodiscard]] const std::vector<Feature>& features() const { return features_; }
   [[nodiscard]] const DescriptorIndex& descriptor_index() const { return descriptor_index_; }
+  [[nodiscard]] const TriangleIndex& triangle_index() const { return triangle_index_; }
   [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
   [[nodiscard]] const DistanceField& field() const { return field_; }
   [[nodiscard]] const ClassField& classes() const { return classes_; }
@@ -38,6 +40,7 @@ class LocalizationMap {
   std::vector<Feature> features_;
   OccupancyGrid grid_;
   DescriptorIndex descriptor_index_;
+  TriangleIndex triangle_index_;
   DistanceField field_;
   ClassField classes_;
   PlaceSearch place_search_;

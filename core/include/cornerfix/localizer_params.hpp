@@ -14,8 +14,7 @@ namespace cornerfix {
 
 /// Where hypotheses come from. Names on the wire: to_string().
 enum class Method {
-  kIndexed,  ///< All places of the map by branch and bound, when there is news enough to look
-             ///< again.
+  kIndexed,  ///< Corners, triangles of them, and all places of the map by branch and bound.
   kRma,      ///< The paper's random match.
   kNma,      ///< The paper's naive match: every local against every global descriptor.
 };

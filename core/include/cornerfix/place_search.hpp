@@ -60,6 +60,10 @@ class PlaceSearch {
                                    std::span<const Point2> way_base_link, int max_points,
                                    const Pose2& T_map_base_link) const;
 
+  /// Sum of the optimistic weights of beam ends, each the best within about 0.2 m [nat].
+  [[nodiscard]] double sum_of_weights(std::span<const Point2> ends_base_link,
+                                      const Pose2& T_map_base_link) const;
+
   /// Of its pyramids, in memory.
   [[nodiscard]] std::size_t bytes() const;
 

@@ -1,0 +1,74 @@
+/// \file  Looks through whole maps for the places where the robot may be.
+///
+/// Proposals are cheap and come whenever there is news: corners, or the paper's descriptors. A
+/// whole map is looked at by branch and bound, which alone can tell that there is no other place:
+/// before a fix, and now and then while there is none, more often where corners are few.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <cornerfix/localizer_params.hpp>
+
+#include "candidates.hpp"
+#include "view.hpp"
+
+namespace cornerfix {
+
+class GlobalSearch {
+ public:
+  explicit GlobalSearch(const LocalizerParams& params)
+      : params_(params), candidates_(params.acceptance) {}
+
+  /// The same maps at each call, or more behind them.
+  using Maps = std::span<const LocalizationMapPtr>;
+
+  /// Forgets all: what comes is not where the robot was.
+  void reset();
+  void move_along(const Pose2& motion);
+
+  /// Where the robot may be by what it sees, to be verified. `seed` varies random draws.
+  void propose(Maps maps, const View& view, std::uint64_t seed);
+  /// Judges all candidates anew, and looks through maps where that is due.
+  void verify(Maps maps, const View& view);
+
+  [[nodiscard]] const Candidates& candidates() const { return candidates_; }
+  /// Of the best candidate, at most what the last look through the maps would have found.
+  [[nodiscard]] double gap() const { return candidates_.gap(rival_margin_); }
+  /// Whether verify() looked through maps.
+  [[nodiscard]] bool searched() const { return searched_; }
+  /// Whether the best candidate's map holds the mirror image of what was seen, and better: then
+  /// what was seen is symmetric, or the lidar is mounted upside down.
+  [[nodiscard]] bool mirror_image_fits_better(Maps maps, const View& view) const;
+
+ private:
+  /// When something was last done: by how much was seen and driven then.
+  struct Moment {
+    std::size_t ends = 0;
+    double way_m = 0.0;
+  };
+
+  void match_corners(Maps maps, const View& view, std::uint64_t seed);
+  void match_descriptors(Maps maps, const View& view, std::uint64_t seed);
+  [[nodiscard]] bool is_due(const Moment& last, const View& view, double growth,
+                            double way_m) const;
+  [[nodiscard]] bool search_due(const View& view) const;
+  void search(Maps maps, const View& view);
+  [[nodiscard]] double margin_to_look_at() const;
+  [[nodiscard]] std::vector<std::size_t> likeliest_first(std::size_t maps) const;
+  [[nodiscard]] double optimistic_mean(Maps maps, const View& view, const Candidate& place) const;
+
+  LocalizerParams params_;
+  Candidates candidates_;
+  std::vector<Candidate> proposed_;
+  double way_m_ = 0.0;
+  Moment matched_;
+  Moment searched_at_;
+  bool searched_ = false;
+  double rival_margin_ =
+      kRivalMargin;  ///< Farther below the best, a beam end, none was looked for.
+};
+
+}  // namespace cornerfix
