@@ -18,10 +18,12 @@ constexpr double kWay = 3.0;
 constexpr double kRareGrowth = 2.5;  // where corners speak
 constexpr double kRareWay = 6.0;
 
-constexpr std::size_t kEnoughCorners = 6;     // to tell places apart by
+constexpr std::size_t kFewMaps = 4;        // are all looked through whole; of more, corners choose
+constexpr std::size_t kEnoughCorners = 6;  // to tell places apart by
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
 constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when there will be no fix now: what may win later
+constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
 constexpr double kSearchSlack = 0.05;  // by which a search may misjudge a place [nat]
 
 }  // namespace
@@ -100,7 +102,7 @@ void GlobalSearch::verify(Maps maps, const View& view) {
   rival_margin_ = kRivalMargin;
   candidates_.judge_again(maps, view);
   for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
-  searched_ = search_due(view);
+  searched_ = search_due(maps, view);
   if (!searched_) return;
   search(maps, view);
   // A place found late may be worth a deeper look than the maps before it were given.
@@ -116,10 +118,12 @@ bool GlobalSearch::is_due(const Moment& last, const View& view, double growth, d
          way_m_ - last.way_m >= way_m;
 }
 
-bool GlobalSearch::search_due(const View& view) const {
+bool GlobalSearch::search_due(Maps maps, const View& view) const {
   // The gap to the second best means nothing while the second best may not have been looked at.
   if (!candidates_.empty() && candidates_.acceptable(gap())) return true;
   if (params_.method != Method::kIndexed) return false;
+  // Many maps wait for corners to choose among them, a while.
+  if (maps.size() > kFewMaps && view.corners.size() < kEnoughCorners && way_m_ < kWay) return false;
   return view.corners.size() < kEnoughCorners ? is_due(searched_at_, view, kGrowth, kWay)
                                               : is_due(searched_at_, view, kRareGrowth, kRareWay);
 }
@@ -133,6 +137,10 @@ void GlobalSearch::search(Maps maps, const View& view) {
     best_mean = std::max(best_mean, optimistic_mean(maps, view, place));
   double looked_down_to = -std::numeric_limits<double>::infinity();
   for (const std::size_t map : likeliest_first(maps.size())) {
+    if (asks_corners_of(map, maps, view)) {
+      look_by_corners(map, maps, view, best_mean - margin_to_look_at());
+      continue;
+    }
     PlaceSearch::Run run(maps[map]->place_search(), view.evidence.ends, view.way, {});
     for (std::size_t places = 0; places < Candidates::kMaxPlaces; ++places) {
       // What was passed over once stays so, even if a better place lowers the limit.
@@ -144,6 +152,25 @@ void GlobalSearch::search(Maps maps, const View& view) {
     }
   }
   rival_margin_ = std::min(kRivalMargin, best_mean - looked_down_to);
+}
+
+/// Whether corners are enough to look through a map: not where they are few, nor in a map that has
+/// a candidate near the best, whose twin may be around the corner.
+bool GlobalSearch::asks_corners_of(std::size_t map, Maps maps, const View& view) const {
+  const double margin = margin_to_look_at();
+  const bool may_have_robot = std::ranges::any_of(candidates_.all(), [&](const Candidate& place) {
+    const EvidenceScore& best = candidates_.best().score;
+    return place.map == map && place.score.fit >= best.fit - margin * best.ends;
+  });
+  return maps.size() > kFewMaps && !may_have_robot && view.corners.size() >= kEnoughCorners;
+}
+
+void GlobalSearch::look_by_corners(std::size_t map, Maps maps, const View& view,
+                                   double min_mean_weight) {
+  for (const Hypothesis& one :
+       hypotheses_from_corners(*maps[map], view.corners, view.evidence.ends,
+                               {.min_mean_weight = min_mean_weight - kCornerSlack}))
+    candidates_.consider(*maps[map], view, {map, one.T_map_base_link, 0, 0, {}});
 }
 
 /// How far below the best candidate, a beam end, a place may lie and still matter. Who asks for an

@@ -54,8 +54,10 @@ class GlobalSearch {
   void match_descriptors(Maps maps, const View& view, std::uint64_t seed);
   [[nodiscard]] bool is_due(const Moment& last, const View& view, double growth,
                             double way_m) const;
-  [[nodiscard]] bool search_due(const View& view) const;
+  [[nodiscard]] bool search_due(Maps maps, const View& view) const;
   void search(Maps maps, const View& view);
+  [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
+  void look_by_corners(std::size_t map, Maps maps, const View& view, double min_mean_weight);
   [[nodiscard]] double margin_to_look_at() const;
   [[nodiscard]] std::vector<std::size_t> likeliest_first(std::size_t maps) const;
   [[nodiscard]] double optimistic_mean(Maps maps, const View& view, const Candidate& place) const;

@@ -347,21 +347,35 @@ TEST(Localizer, AMirroredMapIsAForeignOne) {
 
 // --- Many maps
 
-TEST(Localizer, FindsTheRightOneOfManyMaps) {
-  for (std::uint64_t seed = 8; seed <= 9; ++seed) {
-    const LocalizationMapPtr own = room_map(seed);
-    const std::vector<LocalizationMapPtr> maps{
-        testing::make_map(mirrored(testing::random_room(seed)), {0.0, 0.0}, "mirrored"),
-        room_map(seed + 10), own, room_map(seed + 20)};
-    const std::vector<Moment> moments = room_drive(seed, 15);
-    const std::vector<Answer> answers = answers_of(maps, with(Method::kIndexed), moments);
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    for (const Answer& answer : answers) {
-      if (!answer.pose) continue;
-      EXPECT_EQ(answer.pose->map, own);
-    }
-    expect_localized_at(answers.back(), moments.back().T_map_base_link);
+/// `own`, its mirror image, and rooms of other robots.
+std::vector<LocalizationMapPtr> maps_with(const LocalizationMapPtr& own, std::uint64_t seed,
+                                          std::size_t count) {
+  std::vector<LocalizationMapPtr> maps{
+      testing::make_map(mirrored(testing::random_room(seed)), {0.0, 0.0}, "mirrored")};
+  while (maps.size() + 1 < count) maps.push_back(room_map(seed + 10 * maps.size()));
+  maps.push_back(own);
+  return maps;
+}
+
+void expect_the_right_one_of(std::size_t count, std::uint64_t seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const LocalizationMapPtr own = room_map(seed);
+  const std::vector<Moment> moments = room_drive(seed, 15);
+  const std::vector<Answer> answers =
+      answers_of(maps_with(own, seed, count), with(Method::kIndexed), moments);
+  for (const Answer& answer : answers) {
+    if (!answer.pose) continue;
+    EXPECT_EQ(answer.pose->map, own);
   }
+  expect_localized_at(answers.back(), moments.back().T_map_base_link);
+}
+
+TEST(Localizer, FindsTheRightOneOfAFewMaps) {
+  for (std::uint64_t seed = 8; seed <= 9; ++seed) expect_the_right_one_of(4, seed);
+}
+
+TEST(Localizer, FindsTheRightOneOfManyMaps) {
+  for (std::uint64_t seed = 8; seed <= 12; ++seed) expect_the_right_one_of(9, seed);
 }
 
 TEST(Localizer, TheSamePlaceInTwoMapsIsAmbiguous) {
