@@ -23,6 +23,9 @@ constexpr double kStepsPerNat =
 constexpr int kHighestValue = 31;
 constexpr int kTopLevel = 2;
 constexpr int kTopBlock = 1 << kTopLevel;
+constexpr std::size_t kStrip = 32;  // top blocks of a row that are judged together, or not at all
+static_assert(kStrip * kTopBlock <= kBorder,
+              "a strip that reaches over the map ends in its border");
 constexpr std::size_t kCoarsePoints = 40;  // by which the top blocks are judged
 constexpr double kCoarseSlack = 0.03;      // and by how much they may misjudge all points [nat]
 constexpr std::uint8_t kWayFree = 18;
@@ -149,7 +152,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi / kRotations;
 /// sums[i] += the values of a group of points at i; the inner sum fits a byte, so the compiler
 /// takes 16 at a time.
 void add_group(std::span<const std::uint8_t*, kGroup> sources, std::size_t shift,
-               std::span<std::uint16_t> sums) {
+               std::span<std::uint16_t, kStrip> sums) {
   static_assert(kGroup == 8);
   const std::uint8_t* a = sources[0] + shift;
   const std::uint8_t* b = sources[1] + shift;
@@ -159,11 +162,12 @@ void add_group(std::span<const std::uint8_t*, kGroup> sources, std::size_t shift
   const std::uint8_t* f = sources[5] + shift;
   const std::uint8_t* g = sources[6] + shift;
   const std::uint8_t* h = sources[7] + shift;
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    const auto sum =
-        static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i] + e[i] + f[i] + g[i] + h[i]);
-    sums[i] = static_cast<std::uint16_t>(sums[i] + sum);
+  std::array<std::uint8_t, kStrip> of_group;
+  for (std::size_t i = 0; i < kStrip; ++i) {
+    of_group[i] = static_cast<std::uint8_t>(a[i] + b[i] + c[i] + d[i] + e[i] + f[i] + g[i] + h[i]);
   }
+  for (std::size_t i = 0; i < kStrip; ++i)
+    sums[i] = static_cast<std::uint16_t>(sums[i] + of_group[i]);
 }
 
 void append_offsets(std::vector<CellOffset>& offsets, std::span<const Point2> points, double yaw,
@@ -480,7 +484,7 @@ void PlaceSearch::Run::State::judge_top_blocks() {
     return &laid_out[(phase * rows + y / kBlock) * stride + x / kBlock];
   };
   std::vector<const std::uint8_t*> sources;
-  std::vector<std::uint16_t> sums(blocks_x);
+  std::array<std::uint16_t, kStrip> sums{};
   for (std::size_t rotation = 0; rotation < kRotations; ++rotation) {
     const std::span<const CellOffset> ends = query.ends(rotation);
     for (int part = 0; part < 4; ++part) {
@@ -494,18 +498,20 @@ void PlaceSearch::Run::State::judge_top_blocks() {
           blocks_from(search.way_by_phase_, query.robot_offsets[rotation], part);
       for (std::size_t row = 0; row < blocks_y; ++row) {
         const std::uint8_t* standing = robot + row * stride;
-        const std::uint8_t* free = std::find(standing, standing + blocks_x, kWayFree);
-        if (free == standing + blocks_x) continue;
-        std::fill(sums.begin(), sums.end(), std::uint16_t{0});
-        for (std::size_t group = 0; group < sources.size(); group += kGroup) {
-          add_group(std::span<const std::uint8_t*, kGroup>(&sources[group], kGroup), row * stride,
-                    sums);
-        }
         const std::size_t at = rotation * blocks_y + row;
         std::uint16_t* best = &coarse_sums[at * blocks_x];
-        for (std::size_t column = 0; column < blocks_x; ++column) {
-          const std::uint16_t sum = standing[column] == kWayFree ? sums[column] : std::uint16_t{0};
-          best[column] = std::max(best[column], sum);
+        for (std::size_t first = 0; first < blocks_x; first += kStrip) {
+          const std::size_t end = std::min(blocks_x, first + kStrip);
+          if (std::find(standing + first, standing + end, kWayFree) == standing + end) continue;
+          sums.fill(0);
+          for (std::size_t group = 0; group < sources.size(); group += kGroup) {
+            add_group(std::span<const std::uint8_t*, kGroup>(&sources[group], kGroup),
+                      row * stride + first, sums);
+          }
+          for (std::size_t column = first; column < end; ++column) {
+            if (standing[column] == kWayFree)
+              best[column] = std::max(best[column], sums[column - first]);
+          }
         }
         best_of_row[at] = std::max(best_of_row[at], *std::max_element(best, best + blocks_x));
       }
