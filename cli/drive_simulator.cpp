@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kRangeMin = 0.05;      ///< [m]
 constexpr double kScanPeriod = 0.1;     ///< [s]
+constexpr double kLatestStart = 1e10;   ///< [s]; a log writes milliseconds of it exactly
 constexpr double kDropoutRate = 0.005;  ///< Beams that come back empty for no reason.
 constexpr double kBoxToWay = 0.6;       ///< [m] a box stays off the way.
 constexpr int kBoxTries = 50;           ///< A narrow building may have no room for a box.
@@ -225,7 +226,7 @@ std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>&
   for (const Pose2& T_map_laser : way) {
     LogScan recorded;
     recorded.scan = caster.scan(lidar, options.beams, T_map_laser);
-    recorded.scan.stamp = static_cast<double>(scans.size()) * kScanPeriod;
+    recorded.scan.stamp = options.start_s + static_cast<double>(scans.size()) * kScanPeriod;
     crowd.walk(T_map_laser.translation());
     crowd.hide_from(T_map_laser, recorded.scan);
     add_noise(recorded.scan, options.range_noise_m, range_random);
@@ -264,6 +265,9 @@ std::optional<Error> validate(const DriveOptions& options) {
   if (options.boxes < 0) return broken("boxes", "must not be negative");
   if (!is_positive(options.length_m)) return broken("length_m", "must be above 0");
   if (!is_positive(options.step_m)) return broken("step_m", "must be above 0");
+  if (!(std::abs(options.start_s) <= kLatestStart)) {
+    return broken("start_s", "must be within 1e10 s of 0");
+  }
   return std::nullopt;
 }
 

@@ -25,6 +25,7 @@ struct DriveOptions {
   int boxes = 0;            ///< Put beside the way, unknown to the map; >= 0.
   double length_m = 300.0;  ///< > 0.
   double step_m = 0.08;     ///< Between scans; > 0.
+  double start_s = 0.0;     ///< Stamp of the first scan [s]; within 1e10 of 0.
   std::uint64_t seed = 1;   ///< Same seed, maps and options give the same log.
 };
 

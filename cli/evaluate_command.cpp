@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -24,6 +26,7 @@ struct EvaluateArguments {
   std::string map_log;
   std::string other_map_log;
   std::string map_grid;
+  std::vector<std::string> update_logs;       ///< Of later drives in map_log's building.
   std::vector<std::string> further_map_logs;  ///< Searched beside the right map.
   std::string split = "0.5";
   std::size_t stride = 1;
@@ -89,15 +92,48 @@ Result<Evaluation> map_of(const RecordedLog& log, std::span<const std::size_t> m
   return map_at_poses(*found, posed_scans(*found, 0, end), params);
 }
 
+/// All scans of a log that can make a map marked as key scans, or only those that it marks itself.
+void mark_key_scans(RecordedLog& log) {
+  const bool are_marked = std::ranges::any_of(log.scans, &LogScan::is_key_scan);
+  for (LogScan& scan : log.scans) scan.is_key_scan = !are_marked || scan.is_key_scan;
+}
+
+/// A log and those of later drives, as one.
+Result<RecordedLog> read_drives(const EvaluateArguments& arguments) {
+  Result<RecordedLog> log =
+      read_whole_log(arguments.mapping_log(), arguments.lidar, arguments.stride);
+  if (!log || arguments.update_logs.empty()) return log;
+  mark_key_scans(*log);
+  for (const std::string& path : arguments.update_logs) {
+    Result<RecordedLog> later = read_whole_log(path, arguments.lidar, arguments.stride);
+    if (!later) return later.error();
+    mark_key_scans(*later);
+    std::ranges::move(later->scans, std::back_inserter(log->scans));
+  }
+  return log;
+}
+
+Result<Evaluation> map_of_all(const RecordedLog& log, const std::string& path,
+                              const EvaluateArguments& arguments) {
+  const auto mapping = posed_scans(log, 0, log.scans.size());
+  if (mapping.empty()) {
+    return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose", path};
+  }
+  return map_of(log, mapping, arguments);
+}
+
 /// The map of all of a log.
 Result<Evaluation> map_of_file(const std::string& path, const EvaluateArguments& arguments) {
   const Result<RecordedLog> log = read_whole_log(path, arguments.lidar, arguments.stride);
   if (!log) return log.error();
-  const auto mapping = posed_scans(*log, 0, log->scans.size());
-  if (mapping.empty()) {
-    return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose", path};
-  }
-  return map_of(*log, mapping, arguments);
+  return map_of_all(*log, path, arguments);
+}
+
+/// The map of the log that is told, updated by those of later drives.
+Result<Evaluation> map_of_drives(const EvaluateArguments& arguments) {
+  const Result<RecordedLog> log = read_drives(arguments);
+  if (!log) return log.error();
+  return map_of_all(*log, arguments.mapping_log(), arguments);
 }
 
 template <typename Write>
@@ -172,7 +208,7 @@ Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) 
     task.evaluation = std::move(*mapped);
     task.evaluation.split = arguments.split;
   } else {
-    Result<Evaluation> mapped = map_of_file(arguments.mapping_log(), arguments);
+    Result<Evaluation> mapped = map_of_drives(arguments);
     if (!mapped) return mapped.error();
     task.asking = posed_scans(task.log, 0, task.log.scans.size());
     task.evaluation = std::move(*mapped);
@@ -259,6 +295,13 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
                              ->add_option("--map-log", arguments->map_log,
                                           "Log that makes the map, in LOG's frame; all of LOG asks")
                              ->check(CLI::ExistingFile);
+  CLI::Option* update_logs =
+      command
+          ->add_option("--update-log", arguments->update_logs,
+                       "Log of a later drive in the building of --map-log, which updates the map")
+          ->check(CLI::ExistingFile)
+          ->allow_extra_args(false)
+          ->needs(map_log);
   command
       ->add_option("--elsewhere", arguments->other_map_log,
                    "Log of another building that makes the map: every fix is a false one")
@@ -297,7 +340,8 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command
       ->add_flag("--slam", arguments->slam,
                  "Make maps without their logs' poses, which only say where a map lies")
-      ->excludes("--map-grid");
+      ->excludes("--map-grid")
+      ->excludes(update_logs);
   command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");
   command->add_option("--out", arguments->out, "Write the figures and every start's record (JSON)");
   command->add_option("--csv", arguments->csv, "Write a row a start here");

@@ -21,6 +21,9 @@ namespace cornerfix::cli {
 namespace {
 
 constexpr std::size_t kScansPerBatch = 50;
+const std::string kNothingNew =
+    "the map holds scans of all its stamps already: nothing was added. Another drive needs stamps "
+    "of its own";
 
 std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
@@ -126,14 +129,16 @@ Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& 
 std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
   std::vector<PosedScan> posed;
   posed.reserve(scans.size());
-  for (const LogScan& scan : scans) posed.push_back({scan.scan, Pose2{}, *scan.T_map_laser});
+  for (const LogScan& scan : scans)
+    posed.push_back({as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
   return posed;
 }
 
 std::vector<RobotScan> robot_scans(std::span<const LogScan> scans) {
   std::vector<RobotScan> robot;
   robot.reserve(scans.size());
-  for (const LogScan& scan : scans) robot.push_back({scan.scan, Pose2{}, scan.T_odom_laser});
+  for (const LogScan& scan : scans)
+    robot.push_back({as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
   return robot;
 }
 
@@ -173,6 +178,7 @@ int run_map_build(const MapBuildArguments& arguments) {
   if (!growth) return fail(growth.error());
   warn(arguments.log, scans->remarks());
   if (arguments.connection.print_curl) return kDone;
+  if (growth->accepted == 0) warn(arguments.log, kNothingNew);
   std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
               arguments.name.c_str(), scans->count(), growth->duplicates, growth->key_frames,
               growth->features, static_cast<unsigned long long>(growth->revision));

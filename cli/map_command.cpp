@@ -113,7 +113,7 @@ void add_list_command(CLI::App& map, int& exit_code) {
 
 void add_build_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapBuildArguments>();
-  CLI::App* command = map.add_subcommand("build", "Make a map from a log, or let a map grow by it");
+  CLI::App* command = map.add_subcommand("build", "Make a map from a log, or update a map by it");
   command->footer(
       "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS "
       "1\n"
@@ -123,7 +123,8 @@ void add_build_command(CLI::App& map, int& exit_code) {
       "the\n"
       "map. With --slam all scans do, and their poses are found. Scans that the map has already "
       "are\n"
-      "skipped, so the same log may be sent again.");
+      "skipped, so the same log may be sent again. A later drive in the map's building and frame\n"
+      "updates it: where that drive looked, what is gone leaves the map.");
   command->add_option("NAME", arguments->name, "Name of the map")->required();
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()

@@ -7,9 +7,11 @@ namespace cornerfix::cli {
 namespace {
 
 /// Tenths of a millimetre: below what any lidar knows, and half the text of a float in full.
+double rounded(float range) { return std::round(static_cast<double>(range) * 1e4) / 1e4; }
+
 nlohmann::ordered_json range_json(const LaserScan& scan, std::size_t beam) {
   if (!scan.has_return(beam)) return nullptr;
-  return std::round(static_cast<double>(scan.ranges[beam]) * 1e4) / 1e4;
+  return rounded(scan.ranges[beam]);
 }
 
 nlohmann::ordered_json scan_json(const LaserScan& scan) {
@@ -32,6 +34,11 @@ nlohmann::ordered_json lidar_json(const LogHeader& header) {
           {"range_min", header.lidar.range_min},
           {"range_max", header.lidar.range_max},
           {"beams", header.beams}};
+}
+
+LaserScan as_sent(LaserScan scan) {
+  for (float& range : scan.ranges) range = static_cast<float>(rounded(range));
+  return scan;
 }
 
 nlohmann::ordered_json posed_scan_json(const LogScan& scan) {

@@ -108,6 +108,9 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   command->add_option("OUT", arguments->out, "Log to write, .jsonl or .jsonl.gz")->required();
   command->add_option("--length", drive.length_m, "Metres to drive");
   command->add_option("--step", drive.step_m, "Metres between scans");
+  command->add_option("--start", drive.start_s,
+                      "Stamp of the first scan in seconds: a later drive in the same building "
+                      "begins five minutes after the one before, or more");
   command->add_option("--fov", arguments->field_of_view_deg, "Field of view in degrees");
   command->add_option("--beams", drive.beams, "Beams of a scan");
   command->add_option("--range-max", drive.range_max_m, "Longest range in metres");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <unordered_set>
@@ -91,9 +92,11 @@ bool is_scan_of(const LaserScan& scan, const api::Lidar& lidar) {
 std::optional<Error> mixed(const MapInfo& map, bool scans_have_poses) {
   if (map.key_frame_count == 0 || map.drifts != scans_have_poses) return std::nullopt;
   return Error{ErrorCode::kConflict,
-               map.drifts ? "the map is made from scans without poses: these have poses. Give the "
-                            "map an optimised trajectory first, or another name"
-                          : "the map is made from scans at poses: these have none",
+               map.drifts
+                   ? "the map is made from scans without poses: these have poses. Give the "
+                     "map an optimised trajectory first, or another name"
+                   : "the map is made from scans at poses: these have none. Give them poses in its "
+                     "frame, as a robot that is localized in it has, or another map",
                "/scans"};
 }
 
@@ -119,6 +122,13 @@ Error at_scan(Error error, std::ptrdiff_t index) {
 
 MapperParams mapper_params(const MapInfo& info) {
   return api::mapper_params_from_json(info.parameters_json);
+}
+
+/// NaN for every beam without return, whichever way it was told: the digest is the same then.
+void unify_no_returns(LaserScan& scan) {
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    if (!scan.has_return(beam)) scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
+  }
 }
 
 PosedScan posed_by(LidarOdometry& /*odometry*/, const PosedScan& scan) { return scan; }
@@ -315,6 +325,7 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
   for (const Scan* scan : fresh) {
     new_stamps.push_back(scan->scan.stamp);
     PosedScan posed = posed_by(odometry, *scan);
+    unify_no_returns(posed.scan);
     if (!mapper.is_key_frame(posed)) continue;
     if (auto error = mapper.reject(posed)) return at_scan(*error, scan - scans.data());
     mapper.add(posed);

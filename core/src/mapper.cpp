@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <cornerfix/mapping_drive.hpp>
+
 namespace cornerfix {
 
 std::optional<Error> validate(const MapperParams& params) {
@@ -32,7 +34,8 @@ std::optional<Error> validate(const MapperParams& params) {
   return std::nullopt;
 }
 
-Mapper::Mapper(MapperParams params) : params_(params), features_(params.features) {}
+Mapper::Mapper(MapperParams params)
+    : params_(params), features_(params.features, params.min_feature_count) {}
 
 std::optional<Error> Mapper::reject(const PosedScan& scan) const {
   Bounds all = bounds_of(scan, params_.grid);
@@ -59,7 +62,8 @@ void Mapper::add(PosedScan key_frame) {
   const Pose2 T_map_laser = key_frame.T_map_base_link * key_frame.T_base_link_laser;
   std::vector<Feature> corners = extract_corners(key_frame.scan, params_.extractor);
   for (Feature& corner : corners) corner = transformed(T_map_laser, corner);
-  features_.insert(corners);
+  if (!key_frames_.empty() && begins_drive(key_frames_.back(), key_frame)) features_.begin_drive();
+  features_.insert(corners, key_frame.scan, T_map_laser);
   const Bounds seen = bounds_of(key_frame, params_.grid);
   if (bounds_) {
     bounds_->extend(seen);
@@ -69,13 +73,11 @@ void Mapper::add(PosedScan key_frame) {
   key_frames_.push_back(std::move(key_frame));
 }
 
-std::size_t Mapper::feature_count() const {
-  return features_.repeated(params_.min_feature_count).size();
-}
+std::size_t Mapper::feature_count() const { return features_.repeated().size(); }
 
 MapContent Mapper::build() const {
   MapContent content;
-  content.features = features_.repeated(params_.min_feature_count);
+  content.features = features_.repeated();
   content.descriptors = describe(content.features, params_.descriptors);
   content.grid = build_occupancy_grid(key_frames_, params_.grid);
   return content;

@@ -4,23 +4,21 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
+
+#include <cornerfix/mapping_drive.hpp>
+
+#include "beam_counts.hpp"
 
 namespace cornerfix {
 namespace {
 
-/// How many beams ended in a cell and how many passed it, saturating.
-struct BeamCounts {
-  std::uint16_t hits = 0;
-  std::uint16_t passes = 0;
-};
-
-void count(std::uint16_t& counter) {
-  if (counter < std::numeric_limits<std::uint16_t>::max()) ++counter;
-}
-
+/// Counts the beams of one drive.
 class BeamCounter {
  public:
-  explicit BeamCounter(OccupancyGrid& grid) : grid_(grid), counts_(grid.cells.size()) {}
+  explicit BeamCounter(const OccupancyGrid& grid) : grid_(grid), counts_(grid.cells.size()) {}
+
+  [[nodiscard]] std::vector<BeamCounts>& counts() { return counts_; }
 
   void add(const PosedScan& key_frame, double max_range_m) {
     const Pose2 T_grid_laser =
@@ -44,21 +42,6 @@ class BeamCounter {
       if (end_cell == last) continue;
       last = end_cell;
       pass(start, direction, length - 1.5);  // a beam that ends in a wall did not pass its surface
-    }
-  }
-
-  /// Turns the counts into cells.
-  void decide(const OccupancyMappingParams& params) {
-    for (int row = 0; row < grid_.height; ++row) {
-      for (int column = 0; column < grid_.width; ++column) {
-        const BeamCounts here = counts_[grid_.offset({column, row})];
-        Cell& cell = grid_.cells[grid_.offset({column, row})];
-        if (is_wall(here, column, row, params)) {
-          cell = Cell::kOccupied;
-        } else if (here.passes > 0) {
-          cell = Cell::kFree;
-        }
-      }
     }
   }
 
@@ -93,23 +76,56 @@ class BeamCounter {
     return std::max(1e-9, step > 0 ? cell + 1 - position : position - cell);
   }
 
-  [[nodiscard]] bool is_wall(BeamCounts here, int column, int row,
-                             const OccupancyMappingParams& params) const {
-    if (here.hits == 0) return false;
-    const double beams = static_cast<double>(here.hits) + static_cast<double>(here.passes);
-    if (static_cast<double>(here.hits) < params.min_hit_share * beams) return false;
-    std::uint16_t peak = here.hits;
-    for (int r = std::max(0, row - 1); r <= std::min(grid_.height - 1, row + 1); ++r) {
-      for (int c = std::max(0, column - 1); c <= std::min(grid_.width - 1, column + 1); ++c) {
-        peak = std::max(peak, counts_[grid_.offset({c, r})].hits);
-      }
-    }
-    return static_cast<double>(here.hits) >= params.min_peak_share * static_cast<double>(peak);
-  }
-
-  OccupancyGrid& grid_;
+  const OccupancyGrid& grid_;
   std::vector<BeamCounts> counts_;
 };
+
+/// What the beams of all drives told of each cell, later drives before earlier ones.
+std::vector<BeamCounts> count_beams(std::span<const PosedScan> key_frames,
+                                    const OccupancyGrid& grid, double max_range_m) {
+  std::vector<BeamCounts> counts;
+  for (const std::span<const PosedScan> drive : drives_of(key_frames)) {
+    BeamCounter counter(grid);
+    for (const PosedScan& key_frame : drive) counter.add(key_frame, max_range_m);
+    if (counts.empty()) {
+      counts = std::move(counter.counts());
+    } else {
+      outweigh(counts, counter.counts(), grid);
+    }
+  }
+  return counts;
+}
+
+bool is_wall(std::span<const BeamCounts> counts, const OccupancyGrid& grid, CellIndex cell,
+             const OccupancyMappingParams& params) {
+  const BeamCounts& here = counts[grid.offset(cell)];
+  if (here.hits == 0) return false;
+  const double beams = static_cast<double>(here.hits) + static_cast<double>(here.passes);
+  if (static_cast<double>(here.hits) < params.min_hit_share * beams) return false;
+  std::uint16_t peak = here.hits;
+  for (int r = std::max(0, cell.row - 1); r <= std::min(grid.height - 1, cell.row + 1); ++r) {
+    for (int c = std::max(0, cell.column - 1); c <= std::min(grid.width - 1, cell.column + 1);
+         ++c) {
+      peak = std::max(peak, counts[grid.offset({c, r})].hits);
+    }
+  }
+  return static_cast<double>(here.hits) >= params.min_peak_share * static_cast<double>(peak);
+}
+
+/// Turns the counts into cells.
+void decide(std::span<const BeamCounts> counts, const OccupancyMappingParams& params,
+            OccupancyGrid& grid) {
+  for (int row = 0; row < grid.height; ++row) {
+    for (int column = 0; column < grid.width; ++column) {
+      const std::size_t offset = grid.offset({column, row});
+      if (is_wall(counts, grid, {column, row}, params)) {
+        grid.cells[offset] = Cell::kOccupied;
+      } else if (counts[offset].passes > 0) {
+        grid.cells[offset] = Cell::kFree;
+      }
+    }
+  }
+}
 
 }  // namespace
 
@@ -160,9 +176,7 @@ OccupancyGrid build_occupancy_grid(std::span<const PosedScan> key_frames,
   grid.height = static_cast<int>(last.y() - first.y());
   grid.cells.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
                     Cell::kUnknown);
-  BeamCounter counter(grid);
-  for (const PosedScan& key_frame : key_frames) counter.add(key_frame, params.max_range_m);
-  counter.decide(params);
+  decide(count_beams(key_frames, grid, params.max_range_m), params, grid);
   return grid;
 }
 

@@ -21,6 +21,16 @@ class MapsApiTest : public ::testing::Test {
   std::vector<PosedScan> drive_ = testing::mapping_drive();
 
   Json entry(const std::string& name) { return client_.get("/v1/maps/" + name).json(); }
+
+  /// Of the map "office", of what stands at `place`.
+  std::size_t features_near(const Point2& place) {
+    std::size_t near = 0;
+    const Json answer = client_.get("/v1/maps/office/features").json();
+    for (const Json& feature : answer["features"]) {
+      near += (Point2(feature["x"], feature["y"]) - place).norm() < 1.2 ? 1U : 0U;
+    }
+    return near;
+  }
 };
 
 TEST_F(MapsApiTest, CreatesAndDescribes) {
@@ -87,6 +97,27 @@ TEST_F(MapsApiTest, GrowsByBatchesAndCountsDuplicates) {
   EXPECT_EQ(entry("office")["keyframes"], second["keyframes"]);
   EXPECT_EQ(entry("office")["features"], second["features"]);
   EXPECT_FALSE(entry("office")["bounds"].is_null());
+}
+
+TEST_F(MapsApiTest, UpdatesAMapOfARoomThatIsMappedAgain) {
+  testing::make_room_map(client_, "office");
+  const Json before = entry("office");
+  EXPECT_GT(features_near(testing::kOldObstacle), 0U);
+  EXPECT_EQ(features_near(testing::kNewObstacle), 0U);
+  const auto later = testing::mapping_drive(1e6, testing::refurnished_room());
+  const Reply updated = client_.post("/v1/maps/office/scans", testing::map_batch(later, 0, 48));
+  ASSERT_EQ(updated.status, 200) << updated.body;
+  EXPECT_EQ(updated.json()["accepted"], 48);
+  EXPECT_EQ(updated.json()["revision"], before["revision"].get<int>() + 1);
+  EXPECT_EQ(features_near(testing::kOldObstacle), 0U);
+  EXPECT_GT(features_near(testing::kNewObstacle), 0U);
+  EXPECT_NE(entry("office")["digest"], before["digest"]);
+  EXPECT_EQ(entry("office")["features"], updated.json()["features"]);
+
+  const Json after = entry("office");
+  const Reply again = client_.post("/v1/maps/office/scans", testing::map_batch(later, 0, 48));
+  EXPECT_EQ(again.json()["duplicates"], 48);
+  EXPECT_EQ(entry("office"), after);
 }
 
 TEST_F(MapsApiTest, KeepsTheNumberOfBeamsOfTheFirstScan) {

@@ -117,6 +117,36 @@ TEST_F(ProcessTest, LosesNoAcknowledgedMappingBatchToKill9) {
   EXPECT_EQ(again["duplicates"], 24);
 }
 
+TEST_F(ProcessTest, EndsAnUpdateAfterKill9AsIfThereHadBeenNone) {
+  const auto later = testing::mapping_drive(1e6, testing::refurnished_room());
+  const auto update = [&](HttpClient& client, const std::string& name, std::size_t begin) {
+    EXPECT_EQ(client
+                  .post("/v1/maps/" + name + "/scans",
+                        testing::map_batch(later, begin, later.size() - begin))
+                  .status,
+              200);
+  };
+  {
+    ServerProcess server(arguments());
+    HttpClient client(server.port());
+    testing::make_room_map(client, "office");
+    testing::make_room_map(client, "undisturbed");
+    client.post("/v1/maps/office/scans", testing::map_batch(later, 0, 20));
+    server.signal(SIGKILL);
+    server.wait();
+  }
+  ServerProcess server(arguments());
+  HttpClient client(server.port());
+  update(client, "office", 10);
+  update(client, "undisturbed", 0);
+  EXPECT_EQ(client.get("/v1/maps/office").json()["digest"],
+            client.get("/v1/maps/undisturbed").json()["digest"]);
+  EXPECT_EQ(client.get("/v1/maps/office/features").json()["features"],
+            client.get("/v1/maps/undisturbed/features").json()["features"]);
+  EXPECT_EQ(client.get("/v1/maps/office/grid.png").body,
+            client.get("/v1/maps/undisturbed/grid.png").body);
+}
+
 TEST_F(ProcessTest, SharesAFileWithAnotherServer) {
   ServerProcess one(arguments());
   ServerProcess two(arguments());

@@ -71,6 +71,35 @@ TEST_F(SessionsApiTest, FindsTheRobot) {
   EXPECT_EQ(client_.get("/v1/sessions/" + id).json()["status"], "localized");
 }
 
+TEST_F(SessionsApiTest, ATrackedRobotMovesToAnUpdatedMapWithoutAJump) {
+  drive_ = testing::robot_drive(60, 2.0, testing::refurnished_room());
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Json before;
+  for (std::uint64_t i = 0; i < 10; ++i) before = post(id, i).json();
+  ASSERT_EQ(before["status"], "localized") << before.dump(1);
+
+  const auto later = testing::mapping_drive(1e6, testing::refurnished_room());
+  for (const std::size_t begin : {0, 24}) {
+    ASSERT_EQ(client_.post("/v1/maps/office/scans", testing::map_batch(later, begin, 24)).status,
+              200);
+    for (const std::uint64_t i : {10 + begin / 12, 11 + begin / 12}) {
+      const Json after = post(id, i).json();
+      ASSERT_EQ(after["status"], "localized") << after.dump(1);
+      EXPECT_EQ(after["pose"]["revision"], client_.get("/v1/maps/office").json()["revision"]);
+      const Pose2& truth = drive_.T_map_base_link.at(3 * i + 2);
+      EXPECT_NEAR(after["pose"]["x"], truth.x, 0.05);
+      EXPECT_NEAR(after["pose"]["y"], truth.y, 0.05);
+      EXPECT_NEAR(wrap_angle(after["pose"]["yaw"].get<double>() - truth.yaw), 0.0, 0.02);
+      for (const int diagonal : {0, 4, 8}) {
+        EXPECT_LT(after["pose"]["covariance"][diagonal].get<double>(),
+                  1.2 * before["pose"]["covariance"][diagonal].get<double>());
+      }
+      EXPECT_GE(after["local"]["scans"], before["local"]["scans"]);
+      EXPECT_EQ(after["timing_ms"]["match"], 0.0);  // it does not look for its place again
+    }
+  }
+}
+
 TEST_F(SessionsApiTest, FindsTheRobotInAnyMap) {
   const std::string id = testing::open_session(client_, "cart-7", nullptr);
   for (std::uint64_t i = 0; i < 9; ++i) post(id, i);

@@ -14,6 +14,8 @@
 namespace cornerfix::testing {
 
 inline constexpr double kScanPeriodS = 0.2;
+inline const Point2 kOldObstacle{5.2, 8.4};  ///< In figure7_room() only.
+inline const Point2 kNewObstacle{8.9, 4.5};  ///< In refurnished_room() only.
 
 /// Poses along a circle about the middle of figure7_room(), looking along it.
 [[nodiscard]] inline std::vector<Pose2> circle_in_room(double radius_m, double begin_rad,
@@ -27,18 +29,25 @@ inline constexpr double kScanPeriodS = 0.2;
   return poses;
 }
 
-[[nodiscard]] inline LaserScan scan_in_room(const Pose2& T_map_base_link, double stamp) {
-  LaserScan scan = simulate_scan(figure7_room(), {.beams = 360}, T_map_base_link);
+/// The same room later: one obstacle was carried away, another one put in.
+[[nodiscard]] inline SceneBuilder refurnished_room() {
+  return figure7_outline().box({5.0, 1.4}, {1.5, 1.5}, 0.5).box(kNewObstacle, {1.2, 0.8}, 0.2);
+}
+
+[[nodiscard]] inline LaserScan scan_in_room(const Pose2& T_map_base_link, double stamp,
+                                            const SceneBuilder& room = figure7_room()) {
+  LaserScan scan = simulate_scan(room, {.beams = 360}, T_map_base_link);
   scan.stamp = stamp;
   return scan;
 }
 
 /// Once around the room: enough for a map.
-[[nodiscard]] inline std::vector<PosedScan> mapping_drive(double first_stamp = 100.0) {
+[[nodiscard]] inline std::vector<PosedScan> mapping_drive(
+    double first_stamp = 100.0, const SceneBuilder& room = figure7_room()) {
   std::vector<PosedScan> drive;
   double stamp = first_stamp;
   for (const Pose2& pose : circle_in_room(2.2, 0.0, 0.13, 48)) {
-    drive.push_back({scan_in_room(pose, stamp), Pose2{}, pose});
+    drive.push_back({scan_in_room(pose, stamp, room), Pose2{}, pose});
     stamp += kScanPeriodS;
   }
   return drive;
@@ -50,12 +59,13 @@ struct RobotDrive {
   std::vector<RobotScan> scans;
 };
 
-[[nodiscard]] inline RobotDrive robot_drive(std::size_t count = 30, double begin_rad = 2.0) {
+[[nodiscard]] inline RobotDrive robot_drive(std::size_t count = 30, double begin_rad = 2.0,
+                                            const SceneBuilder& room = figure7_room()) {
   RobotDrive drive{circle_in_room(1.6, begin_rad, 0.1, count), {}};
   const Pose2 T_odom_map = inverse(drive.T_map_base_link.front());
   double stamp = 500.0;
   for (const Pose2& pose : drive.T_map_base_link) {
-    drive.scans.push_back({scan_in_room(pose, stamp), Pose2{}, T_odom_map * pose});
+    drive.scans.push_back({scan_in_room(pose, stamp, room), Pose2{}, T_odom_map * pose});
     stamp += kScanPeriodS;
   }
   return drive;

@@ -162,15 +162,17 @@ class SceneBuilder {
   std::vector<Wall> walls_;
 };
 
+/// The walls of figure7_room() without what stands in it.
+[[nodiscard]] inline SceneBuilder figure7_outline() {
+  const Point2 outline[] = {{2, 0},    {8.6, 0},  {8.6, 1.5}, {10, 1.5}, {10, 8.2}, {8.5, 8.2},
+                            {8.5, 10}, {1.5, 10}, {1.5, 8},   {0, 8},    {0, 2.5},  {2, 2.5}};
+  return SceneBuilder().polygon(outline);
+}
+
 /// A room after the paper's figure 7: 10 m by 10 m with offset corners and two obstacles, 14
 /// corners in sight of the paper's lidar at (7.5, 5).
 [[nodiscard]] inline SceneBuilder figure7_room() {
-  const Point2 outline[] = {{2, 0},    {8.6, 0},  {8.6, 1.5}, {10, 1.5}, {10, 8.2}, {8.5, 8.2},
-                            {8.5, 10}, {1.5, 10}, {1.5, 8},   {0, 8},    {0, 2.5},  {2, 2.5}};
-  return SceneBuilder()
-      .polygon(outline)
-      .box({5.0, 1.4}, {1.5, 1.5}, 0.5)
-      .box({5.2, 8.4}, {1.5, 1.5}, 1.1);
+  return figure7_outline().box({5.0, 1.4}, {1.5, 1.5}, 0.5).box({5.2, 8.4}, {1.5, 1.5}, 1.1);
 }
 
 }  // namespace cornerfix::testing

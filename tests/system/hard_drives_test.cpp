@@ -239,5 +239,72 @@ TEST(HardDrives, ALidarThatSeesFourMetresIsNotMisled) {
   }
 }
 
+/// The building with boxes of up to a metre in its free space.
+OccupancyGrid furnished(std::uint64_t seed) {
+  OccupancyGrid grid = building();
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<int> column(0, grid.width - 1), row(0, grid.height - 1),
+      cells(8, 20);
+  for (int placed = 0; placed < 250;) {
+    const CellIndex low{column(random), row(random)};
+    if (grid.at(low) != Cell::kFree) continue;
+    const CellIndex high{low.column + cells(random), low.row + cells(random)};
+    for (int r = low.row; r < std::min(high.row, grid.height); ++r) {
+      for (int c = low.column; c < std::min(high.column, grid.width); ++c) {
+        grid.cells[grid.offset({c, r})] = Cell::kOccupied;
+      }
+    }
+    ++placed;
+  }
+  return grid;
+}
+
+/// The furniture of both, for ways that are free in both.
+OccupancyGrid both(OccupancyGrid first, const OccupancyGrid& second) {
+  for (std::size_t i = 0; i < first.cells.size(); ++i) {
+    if (second.cells[i] == Cell::kOccupied) first.cells[i] = Cell::kOccupied;
+  }
+  return first;
+}
+
+TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
+  const OccupancyGrid before = furnished(1);
+  const OccupancyGrid after = furnished(2);
+  const OccupancyGrid always = both(before, after);
+  DriveOptions options = drive_with(kPi, 181, 8.0);
+  options.range_noise_m = 0.03;
+  const auto log_of = [&](const OccupancyGrid& inside, double length_m, double start_s,
+                          std::uint64_t seed) {
+    options.length_m = length_m;
+    options.start_s = start_s;
+    options.seed = seed;
+    return *simulate_drive(always, options, &inside);
+  };
+  const RecordedLog first = log_of(before, 500.0, 0.0, 1);
+  const RecordedLog later = log_of(after, 500.0, 86400.0, 2);
+  RecordedLog drives = first;
+  drives.scans.insert(drives.scans.end(), later.scans.begin(), later.scans.end());
+  const RecordedLog robot = log_of(after, 200.0, 0.0, 3);
+
+  const auto fixes_in_map_of = [&](const RecordedLog& mapping) {
+    const Evaluation evaluation = map_from(mapping, mapping.scans.size(), {});
+    const auto records = evaluate(robot, 0, {evaluation.map}, 0, evaluation.mapping_positions,
+                                  {.starts = 25, .way_m = 5.0, .track_m = 0.0}, {});
+    const auto count = [&](Verdict verdict) {
+      return std::ranges::count(records, verdict, &StartRecord::verdict);
+    };
+    EXPECT_EQ(count(Verdict::kFalse), 0);
+    return count(Verdict::kFixed);
+  };
+  const auto stale = fixes_in_map_of(first);
+  const auto updated = fixes_in_map_of(drives);
+  const auto made_anew = fixes_in_map_of(later);
+  EXPECT_GT(updated, stale);
+  EXPECT_GE(updated, made_anew - 1);
+  RecordProperty("stale", static_cast<int>(stale));
+  RecordProperty("updated", static_cast<int>(updated));
+  RecordProperty("made_anew", static_cast<int>(made_anew));
+}
+
 }  // namespace
 }  // namespace cornerfix::cli

@@ -64,12 +64,13 @@ class FeatureMap {
   /// Those seen in at least `min_count` scans.
   [[nodiscard]] std::vector<Feature> repeated(int min_count) const;
 
+  /// Indices of the features within the radius of a place, nearest first. O(1) on average.
+  [[nodiscard]] std::vector<std::size_t> neighbors(const Point2& position) const;
+
  private:
   using Cell = std::uint64_t;  ///< Column and row of a cell as large as the radius.
 
   [[nodiscard]] Cell cell_of(const Point2& position, int columns_off = 0, int rows_off = 0) const;
-  /// Indices of the features within the radius, nearest first.
-  [[nodiscard]] std::vector<std::size_t> neighbors(const Point2& position) const;
   void insert(const Feature& corner);
   void append(const Feature& corner);
   void fuse(std::size_t index, const Feature& corner);

@@ -1,7 +1,8 @@
 /// \file  From scans at poses to a map: key frames, features, descriptors and an occupancy grid.
 ///
 /// The key frames are the map's source; all else is derived from them and can be made anew, for
-/// instance after an optimised trajectory moved them (end of the paper's section 2).
+/// instance after an optimised trajectory moved them (end of the paper's section 2). Those of a
+/// later drive (mapping_drive.hpp) update the map: what is gone where they looked leaves it.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +11,7 @@
 
 #include <cornerfix/corner_extractor.hpp>
 #include <cornerfix/descriptor.hpp>
-#include <cornerfix/feature_map.hpp>
+#include <cornerfix/feature_history.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/occupancy_grid.hpp>
 #include <cornerfix/occupancy_mapping.hpp>
@@ -47,7 +48,8 @@ class Mapper {
   /// Whether `scan` is far enough from the last key frame to become one.
   [[nodiscard]] bool is_key_frame(const PosedScan& scan) const;
 
-  /// Adds a key frame, which must not be rejected: its corners join the features. O(beams).
+  /// Adds a key frame, which must not be rejected: its corners join the features. O(beams), and in
+  /// a later drive O(features).
   void add(PosedScan key_frame);
 
   static constexpr double kMaxCells = 1e8;  ///< Of the grid: 500 x 500 m at 0.05 m.
@@ -65,7 +67,7 @@ class Mapper {
  private:
   MapperParams params_;
   std::vector<PosedScan> key_frames_;
-  FeatureMap features_;
+  FeatureHistory features_;
   std::optional<Bounds> bounds_;
 };
 

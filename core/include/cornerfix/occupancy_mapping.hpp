@@ -37,7 +37,9 @@ struct Bounds {
 [[nodiscard]] Bounds bounds_of(const PosedScan& scan, const OccupancyMappingParams& params);
 
 /// Occupied where beams ended, free where they passed, unknown elsewhere; T_map_grid has yaw 0 and
-/// lies on whole cells. O(beams * range / resolution). Empty input gives an empty grid.
+/// lies on whole cells. Where key frames of a later drive (mapping_drive.hpp) looked, earlier
+/// drives weigh little: what is gone is free after twenty beams. O(beams * range / resolution +
+/// drives * cells). Empty input gives an empty grid.
 [[nodiscard]] OccupancyGrid build_occupancy_grid(std::span<const PosedScan> key_frames,
                                                  const OccupancyMappingParams& params);
 

@@ -234,6 +234,7 @@ TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   const Outcome second = run(arguments);
   EXPECT_EQ(second.exit_code, 0) << second.err;
   EXPECT_THAT(second.out, HasSubstr("attic: 60 scans (60 there already), 60 key frames"));
+  EXPECT_THAT(second.err, HasSubstr("nothing was added"));
 }
 
 TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {

@@ -99,6 +99,14 @@ TEST(DriveSimulator, GivesTheSameLogForTheSameSeed) {
   EXPECT_FALSE(same_poses(first, drive(two_rooms(), options)));
 }
 
+TEST(DriveSimulator, StampsBeginWhereTheyAreTold) {
+  const auto log = simulate_drive(box_room(), {.beams = 11, .length_m = 1.0, .start_s = 86400.0});
+  ASSERT_TRUE(log);
+  EXPECT_EQ(log->scans[0].scan.stamp, 86400.0);
+  EXPECT_NEAR(log->scans[1].scan.stamp, 86400.1, 1e-9);
+  EXPECT_FALSE(simulate_drive(box_room(), {.start_s = std::nan("")}));
+}
+
 TEST(DriveSimulator, MeasuresABoxRoomAsGeometryDoes) {
   for (const LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
     const Pose2& pose = *recorded.T_map_laser;

@@ -94,6 +94,22 @@ TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
   EXPECT_THAT(outcome.err, HasSubstr("starts: 100 %"));
 }
 
+TEST_F(EvaluateCommand, UpdatesTheMapByALaterLog) {
+  const auto figures_with = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {
+        "evaluate", path("map.jsonl"), "--map-log", path("map.jsonl"), "--starts",
+        "1",        "--way",           "1",         "--threads",       "1"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const auto alone = figures_with({});
+  const auto updated = figures_with({"--update-log", path("map.jsonl")});
+  EXPECT_EQ(updated["map_scans"].get<int>(), 2 * alone["map_scans"].get<int>());
+  EXPECT_EQ(run({"evaluate", path("map.jsonl"), "--update-log", path("map.jsonl")}).exit_code, 2);
+}
+
 TEST_F(EvaluateCommand, WritesEveryStartsRecord) {
   const Outcome outcome =
       run({"evaluate", path("map.jsonl"), "--map-log", path("map.jsonl"), "--starts", "3", "--way",

@@ -223,6 +223,88 @@ TEST(OccupancyMapping, TheOrderOfTheScansChangesNothing) {
   EXPECT_EQ(build_occupancy_grid(scans, {}), forward);
 }
 
+/// Two drives through the room, a day apart.
+std::vector<PosedScan> mapped_again(const SceneBuilder& before, const SceneBuilder& after,
+                                    std::span<const Pose2> poses_after, double noise_m = 0.01,
+                                    const Pose2& T_map_told = {}) {
+  std::vector<PosedScan> scans;
+  for (int pass = 0; pass < 10; ++pass) {
+    for (PosedScan& scan : scans_of(before, kPoses, noise_m)) scans.push_back(std::move(scan));
+  }
+  for (PosedScan& scan : scans_of(after, poses_after, noise_m)) {
+    scan.scan.stamp = 86400.0;
+    scan.T_map_base_link = T_map_told * scan.T_map_base_link;
+    scans.push_back(std::move(scan));
+  }
+  return scans;
+}
+
+const Point2 kPillar(3.0, 2.0);
+SceneBuilder room_with_pillar() { return room().box(kPillar, {0.6, 0.6}); }
+
+TEST(OccupancyMapping, WhatALaterDriveLooksThroughIsFreeHoweverOftenItWasSeen) {
+  const OccupancyGrid grid =
+      build_occupancy_grid(mapped_again(room_with_pillar(), room(), kPoses), {});
+  for_each_cell(grid, [](const Point2& p, Cell cell) {
+    if (depth(p) < 3.0 * kCell) return;
+    EXPECT_EQ(cell, Cell::kFree) << p.transpose();
+  });
+}
+
+TEST(OccupancyMapping, OneDriveAloneForgetsNothing) {
+  std::vector<PosedScan> scans = mapped_again(room_with_pillar(), room(), kPoses);
+  for (PosedScan& scan : scans) scan.scan.stamp = 0.0;
+  EXPECT_TRUE(wall_near(build_occupancy_grid(scans, {}), kPillar + Point2(0.3, 0.0), 1));
+}
+
+TEST(OccupancyMapping, WhatALaterDriveFindsStandsHoweverOftenItWasFree) {
+  const OccupancyGrid grid =
+      build_occupancy_grid(mapped_again(room(), room_with_pillar(), kPoses), {});
+  for (const Point2& face : {Point2(0.3, 0.0), Point2(-0.3, 0.0), Point2(0.0, 0.3)}) {
+    EXPECT_TRUE(wall_near(grid, kPillar + face, 1)) << face.transpose();
+  }
+}
+
+TEST(OccupancyMapping, WhatALaterDriveDoesNotSeeStays) {
+  // From one corner, with a wall across: the far part of the room is out of sight.
+  const Pose2 pose[] = {{1.0, 1.0, 0.3}};
+  const SceneBuilder divided = room().wall({1.5, 0.0}, {1.5, 4.0});
+  const OccupancyGrid before = build_occupancy_grid(scans_of(room_with_pillar(), kPoses), {});
+  const OccupancyGrid after =
+      build_occupancy_grid(mapped_again(room_with_pillar(), divided, pose, 0.0), {});
+  for_each_cell(before, [&](const Point2& p, Cell cell) {
+    if (p.x() < 1.5 + 2.5 * kCell) return;
+    EXPECT_EQ(at(after, p), cell) << p.transpose();
+  });
+  EXPECT_TRUE(wall_near(after, {1.5, 2.0}, 1));
+}
+
+/// Someone who walks by, mixed pixels: a beam that ends where many passed.
+TEST(OccupancyMapping, SingleBeamsOfALaterDriveMakeNoWall) {
+  std::vector<PosedScan> scans = mapped_again(room(), room(), {}, 0.0);
+  PosedScan stray = scans_of(room(), std::span(kPoses).first(1)).front();
+  stray.scan.stamp = 86400.0;
+  for (std::size_t beam = 0; beam < stray.scan.ranges.size(); ++beam) {
+    stray.scan.ranges[beam] *= beam % 40 == 0 ? 0.5F : std::numeric_limits<float>::quiet_NaN();
+  }
+  const OccupancyGrid before = build_occupancy_grid(scans, {});
+  scans.push_back(stray);
+  EXPECT_EQ(build_occupancy_grid(scans, {}).cells, before.cells);
+}
+
+TEST(OccupancyMapping, WallsDoNotGrowThickWhenALaterDriveIsOffByACell) {
+  const Pose2 T_map_told{0.04, -0.03, 0.002};
+  const OccupancyGrid once = build_occupancy_grid(scans_of(room(), kPoses, 0.01), {});
+  const OccupancyGrid twice =
+      build_occupancy_grid(mapped_again(room(), room(), kPoses, 0.01, T_map_told), {});
+  EXPECT_LT(static_cast<double>(count(twice, Cell::kOccupied)),
+            1.15 * static_cast<double>(count(once, Cell::kOccupied)));
+  for_each_cell(twice, [](const Point2& p, Cell cell) {
+    if (cell != Cell::kOccupied) return;
+    EXPECT_LT(std::abs(depth(p)), 0.06 + 1.5 * kCell) << p.transpose();
+  });
+}
+
 TEST(OccupancyMapping, KnowsWhereTheLaserIsMounted) {
   const Pose2 T_base_link_laser{0.3, -0.2, kPi / 2.0};
   const OccupancyGrid grid =

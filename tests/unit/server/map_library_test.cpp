@@ -49,6 +49,46 @@ TEST_F(MapLibraryTest, GrowsTheSameInOneBatchAndInMany) {
   EXPECT_EQ(maps_.find("one")->feature_count, maps_.find("many")->feature_count);
 }
 
+TEST_F(MapLibraryTest, HasOneDigestHoweverABeamWithoutReturnWasTold) {
+  ASSERT_TRUE(maps_.put("as null", {}));
+  ASSERT_TRUE(maps_.put("as a number", {}));
+  drive_[0].scan.ranges[7] = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_TRUE(maps_.grow("as null", drive_));
+  drive_[0].scan.ranges[7] = 1e3F;
+  ASSERT_TRUE(maps_.grow("as a number", drive_));
+  EXPECT_EQ(maps_.find("as null")->digest, maps_.find("as a number")->digest);
+}
+
+TEST_F(MapLibraryTest, IsUpdatedTheSameInOneBatchAndInManyAndByAnotherProcess) {
+  const auto later = testing::mapping_drive(1e6, testing::refurnished_room());
+  for (const char* name : {"one", "many"}) {
+    ASSERT_TRUE(maps_.put(name, {}));
+    ASSERT_TRUE(maps_.grow(name, drive_));
+  }
+  ASSERT_TRUE(maps_.grow("one", later));
+  for (std::size_t i = 0; i < later.size(); i += 8) {
+    Process restarted{file()};
+    ASSERT_TRUE(restarted.maps->grow("many", std::span(later).subspan(i, 8)));
+  }
+  EXPECT_EQ(maps_.find("one")->digest, maps_.find("many")->digest);
+  const auto one = maps_.load("one");
+  const auto many = maps_.load("many");
+  ASSERT_TRUE(one && many);
+  EXPECT_EQ((*one)->grid(), (*many)->grid());
+  EXPECT_EQ((*one)->features().size(), (*many)->features().size());
+}
+
+TEST_F(MapLibraryTest, AnUpdateGoesWithItsArchive) {
+  ASSERT_TRUE(maps_.put("office", {}));
+  ASSERT_TRUE(maps_.grow("office", drive_));
+  ASSERT_TRUE(maps_.grow("office", testing::mapping_drive(1e6, testing::refurnished_room())));
+  const auto archive = maps_.archive("office");
+  ASSERT_TRUE(archive);
+  ASSERT_TRUE(maps_.restore("copy", *archive));
+  EXPECT_EQ(maps_.find("copy")->digest, maps_.find("office")->digest);
+  EXPECT_EQ((*maps_.load("copy"))->grid(), (*maps_.load("office"))->grid());
+}
+
 TEST_F(MapLibraryTest, SaysWhatABatchDid) {
   ASSERT_TRUE(maps_.put("office", {}));
   const auto report = maps_.grow("office", drive_);
