@@ -73,7 +73,7 @@ std::string grid_image(const Canvas& canvas, const OccupancyGrid& grid) {
   const double height = grid.height * grid.resolution;
   return format(
              "<image transform=\"translate(%.3f %.3f) rotate(%.4f)\" y=\"%.3f\" width=\"%.3f\" "
-             "height=\"%.3f\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,",
+             "height=\"%.3f\" image-rendering=\"pixelated\" href=\"data:image/png;base64,",
              canvas.x(origin), canvas.y(origin), -grid.T_map_grid.yaw * 180.0 / std::numbers::pi,
              -height, grid.width * grid.resolution, height) +
          base64(encode_grid_png(grid)) + "\"/>\n";
