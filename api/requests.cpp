@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kMaxDescriptionBytes = 4096;
 constexpr std::size_t kMaxNamedMaps = 1000;
 constexpr std::size_t kMaxPageLimit = 1000;
+constexpr std::size_t kMaxWaitS = 60;
 
 /// Reads a body and hands its document to `read`, which fills the request.
 template <typename Request, typename Read>
@@ -167,6 +168,16 @@ Problem wrong_query(const std::string& name, const std::string& expected) {
   return problem;
 }
 
+Parsed<std::size_t> parse_whole_number(const char* name, std::string_view text, std::size_t least,
+                                       std::size_t most) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  if (whole && number >= least && number <= most) return number;
+  return wrong_query(
+      name, "must be a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+}
+
 }  // namespace
 
 Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format) {
@@ -311,11 +322,11 @@ Parsed<Bounds> parse_bbox(std::string_view text) {
 }
 
 Parsed<std::size_t> parse_page_limit(std::string_view text) {
-  std::size_t limit = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
-  const bool whole = error == std::errc{} && end == text.data() + text.size();
-  if (whole && limit >= 1 && limit <= kMaxPageLimit) return limit;
-  return wrong_query("limit", "must be a whole number from 1 to " + std::to_string(kMaxPageLimit));
+  return parse_whole_number("limit", text, 1, kMaxPageLimit);
+}
+
+Parsed<std::size_t> parse_wait(std::string_view text) {
+  return parse_whole_number("wait", text, 0, kMaxWaitS);
 }
 
 bool is_valid_name(std::string_view name) {

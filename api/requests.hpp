@@ -110,6 +110,8 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] Parsed<Bounds> parse_bbox(std::string_view text);
 /// `limit` of a query: 1 to 1000.
 [[nodiscard]] Parsed<std::size_t> parse_page_limit(std::string_view text);
+/// `wait` of a query: 0 to 60 [s].
+[[nodiscard]] Parsed<std::size_t> parse_wait(std::string_view text);
 
 /// [A-Za-z0-9][A-Za-z0-9._-]{0,127}
 [[nodiscard]] bool is_valid_name(std::string_view name);

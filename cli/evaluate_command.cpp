@@ -12,6 +12,7 @@
 #include "cli/evaluation_report.hpp"
 #include "cli/log_split.hpp"
 #include "cli/progress.hpp"
+#include "cli/report_score.hpp"
 #include "cli/slam_run.hpp"
 #include "cli/trajectory_score.hpp"
 #include "cli/whole_log.hpp"
@@ -37,6 +38,7 @@ struct EvaluateArguments {
   std::string samples;
   bool no_odometry = false;
   bool slam = false;
+  bool report = false;
   EvaluationOptions options;
 
   /// The log that makes the map; empty when a part of the log that asks does.
@@ -255,6 +257,17 @@ Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ord
   return written;
 }
 
+nlohmann::ordered_json report_json(const ReportScore& score) {
+  return {{"places", score.simulated_places},
+          {"success", score.success},
+          {"starts", score.starts},
+          {"squares", score.squares},
+          {"rank_correlation",
+           {{"starts", score.over_starts},
+            {"squares", score.over_squares},
+            {"at_the_starts", score.at_the_starts}}}};
+}
+
 int run_evaluate(EvaluateArguments& arguments) {
   parse_words(arguments);
   const auto split = parse_log_split(arguments.split);
@@ -265,8 +278,10 @@ int run_evaluate(EvaluateArguments& arguments) {
   Result<Task> task = prepare(arguments, *split);
   if (!task) return fail(task.error());
   run_starts(arguments, *task);
-  const nlohmann::ordered_json summary =
+  nlohmann::ordered_json summary =
       summary_json(task->log.header.name, task->evaluation, arguments.options);
+  if (arguments.report)
+    summary["report"] = report_json(score_report(task->log, task->evaluation, arguments.options));
   std::printf("%s\n", summary.dump(1).c_str());
   const Result<void> written = write_files(arguments, summary, *task);
   return written ? kDone : fail(written.error());
@@ -342,6 +357,9 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
                  "Make maps without their logs' poses, which only say where a map lies")
       ->excludes("--map-grid")
       ->excludes(update_logs);
+  command->add_flag("--report", arguments->report,
+                    "Make the map's localizability report and tell how well it predicts the way to "
+                    "the fix (rank correlations)");
   command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");
   command->add_option("--out", arguments->out, "Write the figures and every start's record (JSON)");
   command->add_option("--csv", arguments->csv, "Write a row a start here");

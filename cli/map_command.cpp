@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -8,7 +7,9 @@
 #include "cli/map_archive.hpp"
 #include "cli/map_build.hpp"
 #include "cli/map_import.hpp"
+#include "cli/map_report.hpp"
 #include "cli/server_connection.hpp"
+#include "cli/table.hpp"
 
 namespace cornerfix::cli {
 
@@ -36,21 +37,6 @@ std::string size_text(const nlohmann::json& map) {
                 bounds->value("max_x", 0.0) - bounds->value("min_x", 0.0),
                 bounds->value("max_y", 0.0) - bounds->value("min_y", 0.0));
   return out;
-}
-
-/// Columns as wide as their widest entry, two blanks between them.
-void print_table(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      line += row[i] + std::string(widths[i] - row[i].size() + 2, ' ');
-    }
-    std::printf("%s\n", line.substr(0, line.find_last_not_of(' ') + 1).c_str());
-  }
 }
 
 int list_maps(const ConnectionOptions& options) {
@@ -157,6 +143,19 @@ void add_archive_command(CLI::App& map, const char* name, const char* help, cons
   command->callback([arguments, run, &exit_code] { exit_code = run(*arguments); });
 }
 
+void add_report_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapReportArguments>();
+  CLI::App* command = map.add_subcommand(
+      "report", "Tell where robots will find themselves in a map, and where not");
+  command->footer(
+      "Simulated robots are switched on all over the map's free space and drive until they are\n"
+      "told their pose. They have the map's lidar, or half a turn with 30 m of reach.");
+  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  command->add_option("--picture", arguments->picture, "Draw it into this file (SVG)");
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, &exit_code] { exit_code = run_map_report(*arguments); });
+}
+
 void add_import_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapImportArguments>();
   CLI::App* command =
@@ -191,6 +190,7 @@ void add_map_command(CLI::App& app, int& exit_code) {
                       run_map_restore, exit_code);
   add_list_command(*map, exit_code);
   add_named_command(*map, "show", "Show what the server knows of a map", show_map, exit_code);
+  add_report_command(*map, exit_code);
   add_named_command(*map, "delete", "Delete a map", delete_map, exit_code);
 }
 

@@ -288,6 +288,7 @@ Result<void> HttpServer::Impl::open_services() {
       *stores,
       MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
       now_text);
+  services.reports = std::make_shared<ReportService>(services.maps);
   const auto events = services.events;
   const auto metrics = services.metrics;
   services.localization = std::make_shared<LocalizationService>(
@@ -604,6 +605,7 @@ bool HttpServer::run() {
 void HttpServer::drain() {
   *impl_->services.draining = true;
   impl_->services.events->close();
+  impl_->services.reports->close();
   ::shutdown(impl_->listen_fd, SHUT_RDWR);
 }
 

@@ -1,10 +1,12 @@
 #include <charconv>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include <cornerfix/map_image.hpp>
 
 #include "api/json_codec.hpp"
+#include "api/report_codec.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 
@@ -15,6 +17,7 @@ using api::Json;
 using storage::MapInfo;
 
 constexpr std::size_t kDefaultPage = 100;
+constexpr std::size_t kDefaultReportWait = 20;  // [s]
 
 api::MapEntry entry_of(const MapInfo& info) {
   std::optional<Bounds> bounds;
@@ -237,6 +240,23 @@ class MapRoutes {
                      [](const OccupancyGrid& grid) { return encode_grid_yaml(grid, "grid.png"); });
   }
 
+  Response report(const Request& request) {
+    return when_report_is_made(
+        request, [&](const MapInfo& info, const ReportView& view) -> Response {
+          return document_response(request, 200,
+                                   api::render_report({info.name, view.revision}, *view.report));
+        });
+  }
+
+  Response report_picture(const Request& request) {
+    return when_report_is_made(
+        request, [&](const MapInfo& info, const ReportView& view) -> Response {
+          const auto grid = maps().grid(info);
+          if (!grid) return error_response(request, grid.error());
+          return {.content_type = "image/svg+xml", .body = api::draw_report(*view.report, *grid)};
+        });
+  }
+
  private:
   static Response no_grid() {
     return problem_response(404, "not_found",
@@ -252,6 +272,28 @@ class MapRoutes {
     if (grid->cells.empty()) return no_grid();
     Response response{.content_type = content_type, .body = encode(*grid)};
     return with_entity_tag(request, std::move(response), *info, content_type);
+  }
+
+  template <typename Render>
+  Response when_report_is_made(const Request& request, Render render) {
+    std::size_t wait_s = kDefaultReportWait;
+    if (const auto text = request.parameter("wait")) {
+      const auto parsed = api::parse_wait(*text);
+      if (const auto* problem = std::get_if<api::Problem>(&parsed)) {
+        return problem_response(*problem);
+      }
+      wait_s = std::get<std::size_t>(parsed);
+    }
+    const auto info = maps().find(request.captures[0]);
+    if (!info) return error_response(request, info.error());
+    if (!info->has_bounds) return no_grid();
+    const auto view = services_.reports->get(*info, std::chrono::seconds(wait_s));
+    if (!view) return error_response(request, view.error());
+    if (view->report) return render(*info, *view);
+    Response response = document_response(
+        request, 202, api::render_report_progress({info->name, view->revision}, view->progress));
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
   }
 
   MapLibrary& maps() { return *services_.maps; }
@@ -288,6 +330,8 @@ void add_map_routes(Router& router, const Services& services) {
       &MapRoutes::descriptor);
   add("GET", "/v1/maps/{map}/grid.png", Access::kRead, kIgnored, &MapRoutes::grid_png);
   add("GET", "/v1/maps/{map}/grid.yaml", Access::kRead, kIgnored, &MapRoutes::grid_yaml);
+  add("GET", "/v1/maps/{map}/report", Access::kRead, kIgnored, &MapRoutes::report);
+  add("GET", "/v1/maps/{map}/report.svg", Access::kRead, kIgnored, &MapRoutes::report_picture);
 }
 
 }  // namespace cornerfix::server

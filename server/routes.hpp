@@ -9,6 +9,7 @@
 #include "server/localization_service.hpp"
 #include "server/map_library.hpp"
 #include "server/metrics.hpp"
+#include "server/report_service.hpp"
 #include "server/router.hpp"
 #include "server/server_config.hpp"
 
@@ -18,6 +19,7 @@ namespace cornerfix::server {
 struct Services {
   std::shared_ptr<StoreAccess> stores;
   std::shared_ptr<MapLibrary> maps;
+  std::shared_ptr<ReportService> reports;
   std::shared_ptr<LocalizationService> localization;
   std::shared_ptr<EventHub> events;
   std::shared_ptr<Metrics> metrics;

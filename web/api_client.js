@@ -50,6 +50,11 @@ export async function mapFeatures(name) {
   return (await (await get(`${mapPath(name)}/features`)).json()).features;
 }
 
+// The localizability report, or how far it is: `state` is "done" or "computing".
+export async function mapReport(name) {
+  return (await get(`${mapPath(name)}/report?wait=0`)).json();
+}
+
 // The grid as a png, its cell size [m], and where its lower left corner lies and how it is turned.
 export async function mapGrid(name) {
   const [image, yaml] = await Promise.all([get(`${mapPath(name)}/grid.png`, { accept: 'image/png' }),

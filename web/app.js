@@ -1,10 +1,11 @@
 // The inspector: what is chosen (kept in the address, so it can be sent to others), and what is drawn of it.
 import * as api from './api_client.js';
 import { MapView } from './map_view.js';
-import { linkTo, showMaps, showSession, showSessions } from './panels.js';
+import { linkTo, showMaps, showReport, showSession, showSessions } from './panels.js';
 import { uprightGrid } from './upright_grid.js';
 
 const REFRESH_MS = 2000;
+const REPORT_MS = 1000;
 const MAX_PATH_POINTS = 5000;
 const LOCAL_POSE = { x: 0, y: 0, yaw: Math.PI / 2 };  // Forward is up.
 
@@ -149,6 +150,7 @@ class Inspector {
       const grid = entry?.bounds ? await this.#loadGrid(entry.name) : null;
       if (this.#drawn !== wanted) return;
       this.#mapView.setGrid(grid, { moveView: !sameMap });
+      this.#drawReport();
       await this.#drawFeatures();
     } catch (error) {
       this.#notice('map', `The map ${wanted.map} cannot be shown: ${error.message}`);
@@ -168,6 +170,31 @@ class Inspector {
     const wanted = this.#drawn;
     const features = wanted.map && options.features.checked ? await api.mapFeatures(wanted.map) : [];
     if (this.#drawn === wanted) this.#mapView.setFeatures(features);
+  }
+
+  // Asks again until the report is made, unless another map is drawn by then.
+  async #drawReport() {
+    const wanted = this.#drawn;
+    const isWanted = () => this.#drawn === wanted && options.report.checked;
+    this.#showReport(null);
+    this.#notice('report', '');
+    try {
+      while (wanted.map && isWanted()) {
+        const report = await api.mapReport(wanted.map);
+        if (!isWanted()) return;
+        this.#showReport(report);
+        if (report.state === 'done') return;
+        await new Promise((resume) => setTimeout(resume, REPORT_MS));
+      }
+    } catch (error) {
+      this.#notice('report', `There is no report of ${wanted.map}: ${error.message}`);
+    }
+  }
+
+  #showReport(report) {
+    part('report-panel').hidden = !report;
+    showReport(part('report'), report);
+    this.#mapView.setReport(report?.state === 'done' ? report : null);
   }
 
   #drawAnswer() {
@@ -194,6 +221,7 @@ class Inspector {
   }
 
   #redrawAll() {
+    this.#drawReport();
     this.#drawFeatures().catch((error) => this.#notice('map', error.message));
     this.#drawAnswer();
   }

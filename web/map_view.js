@@ -13,12 +13,15 @@ const color = (name) => getComputedStyle(document.documentElement).getPropertyVa
 
 // The robot as a triangle that points where it looks [m].
 const ROBOT_OUTLINE = [[0.45, 0], [-0.3, 0.28], [-0.15, 0], [-0.3, -0.28]];
+const MAX_PAIRS = 8;  // That look alike.
+const WAY_COLORS = [[0.5, 'way-none'], [3, 'way-short'], [8, 'way-long'], [Infinity, 'way-hard']];  // Up to metres.
 const BEST_ZOOM = 5;  // 32 pixels a metre.
 
 export class MapView {
   #map;
   #grid = null;
   #features;
+  #report;
   #live;
   #liveRenderer;
 
@@ -32,6 +35,7 @@ export class MapView {
     // What changes with every scan has a canvas of its own, so that the map's features are not drawn again.
     this.#map.createPane('live').style.zIndex = 450;
     this.#liveRenderer = L.canvas({ pane: 'live', padding: 0.2 });
+    this.#report = L.layerGroup().addTo(this.#map);
     this.#features = L.layerGroup().addTo(this.#map);
     this.#live = L.layerGroup().addTo(this.#map);
     if (interactive) L.control.scale({ imperial: false }).addTo(this.#map);
@@ -59,6 +63,23 @@ export class MapView {
       L.circleMarker(at(feature), {
         radius: 3, weight: 1, color: color('feature'), fillOpacity: 0.25, interactive: false,
       }).addTo(this.#features);
+    }
+  }
+
+  // Places of the localizability report in colours by the way that robots drive, and the pairs that look alike.
+  setReport(report) {
+    this.#report.clearLayers();
+    if (!report) return;
+    for (const { a, b } of report.look_alikes.slice(0, MAX_PAIRS)) {
+      L.polyline([at(a), at(b)], {
+        color: color('hypothesis'), weight: 1.5, dashArray: '6 6', interactive: false,
+      }).addTo(this.#report);
+    }
+    for (const spot of report.places) {
+      const shade = color(WAY_COLORS.find(([limit]) => spot.way_m < limit)[1]);
+      L.circle(at(spot), {
+        radius: 0.35 * report.lattice_m, weight: 1, color: shade, fillColor: shade, fillOpacity: 0.6,
+      }).bindTooltip(`${spot.way_m.toFixed(1)} m to the fix`).addTo(this.#report);
     }
   }
 

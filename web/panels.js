@@ -95,6 +95,24 @@ function answerRows({ pose, confidence, local, sequence, timing_ms: timing }) {
   return rows;
 }
 
+const swatch = (name, text) => element('span', { class: name }, text);
+
+// `report` is null when it is not asked for, or not there yet.
+export function showReport(container, report) {
+  if (!report) {
+    show(container);
+    return;
+  }
+  if (report.state !== 'done') {
+    show(container, element('p', { class: 'hint' }, `Simulating robots all over the map: ${words.percent(report.progress)}`));
+    return;
+  }
+  show(container, element('p', {}, report.summary),
+    element('div', { class: 'legend' }, swatch('way-none', 'at once'), swatch('way-short', 'within 3 m'),
+      swatch('way-long', 'within 8 m'), swatch('way-hard', '8 m and more')),
+    element('ul', { class: 'advice' }, ...report.advice.map((sentence) => element('li', {}, sentence))));
+}
+
 // `session` is the list's entry, `answer` its last answer or null before the first.
 export function showSession(container, session, answer) {
   if (!session) {

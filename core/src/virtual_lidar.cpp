@@ -60,6 +60,22 @@ std::vector<Point2> VirtualLidar::viewpoints(double lattice_m, double clearance_
   return viewpoints;
 }
 
+LaserScan VirtualLidar::scan(const LaserScan& lidar, std::size_t beams,
+                             const Pose2& T_map_laser) const {
+  LaserScan scan = caster_.scan(lidar, beams, T_map_laser);
+  const Pose2 T_grid_laser = inverse(floor_map_.T_map_grid) * T_map_laser;
+  const double into_cell = 1e-3 * floor_map_.resolution;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    if (!scan.has_return(beam)) continue;
+    const double range = static_cast<double>(scan.ranges[beam]) + into_cell;
+    const Point2 direction{std::cos(scan.bearing(beam)), std::sin(scan.bearing(beam))};
+    const Point2 end_grid = T_grid_laser * Point2(range * direction);
+    if (floor_map_.at(floor_map_.cell_of(end_grid)) != Cell::kOccupied)
+      scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return scan;
+}
+
 LaserScan VirtualLidar::scan(const Point2& viewpoint_map) const {
   const LaserScan lidar{.stamp = 0.0,
                         .angle_min = -std::numbers::pi,
@@ -67,18 +83,7 @@ LaserScan VirtualLidar::scan(const Point2& viewpoint_map) const {
                         .range_min = 0.0,
                         .range_max = kRangeMax,
                         .ranges = {}};
-  LaserScan scan = caster_.scan(lidar, kBeams, {viewpoint_map.x(), viewpoint_map.y(), 0.0});
-  const Pose2 T_grid_map = inverse(floor_map_.T_map_grid);
-  const double into_cell = 1e-3 * floor_map_.resolution;
-  for (std::size_t beam = 0; beam < kBeams; ++beam) {
-    if (!scan.has_return(beam)) continue;
-    const double range = static_cast<double>(scan.ranges[beam]) + into_cell;
-    const Point2 direction{std::cos(scan.bearing(beam)), std::sin(scan.bearing(beam))};
-    const Point2 end_grid = T_grid_map * Point2(viewpoint_map + range * direction);
-    if (floor_map_.at(floor_map_.cell_of(end_grid)) != Cell::kOccupied)
-      scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
-  }
-  return scan;
+  return scan(lidar, kBeams, {viewpoint_map.x(), viewpoint_map.y(), 0.0});
 }
 
 }  // namespace cornerfix

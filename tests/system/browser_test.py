@@ -198,6 +198,14 @@ class InspectorTest(unittest.TestCase):
         self.assertFalse(entry.is_displayed())
         self.assertTrue(all(" 401 " in complaint for complaint in self.complaints()))
 
+    def show_where_robots_are_found(self):
+        self.assertFalse(self.browser.find_element(By.ID, "report-panel").is_displayed())
+        choice = self.browser.find_element(By.NAME, "report")
+        choice.click()
+        self.wait_for(lambda: "robots" in " ".join(self.shown("#report p")).lower(), "the report or its progress")
+        choice.click()
+        self.wait_for(lambda: not self.browser.find_element(By.ID, "report-panel").is_displayed(), "no report")
+
     def test_a_robot_becomes_localized_before_the_watchers_eyes(self):
         self.browser.get(self.server.url)
         self.wait_for(lambda: "cornerfix map build" in " ".join(self.shown("#maps code")), "a hint that there is no map")
@@ -222,6 +230,7 @@ class InspectorTest(unittest.TestCase):
         self.wait_for(lambda: expected in self.shown("#session dd"), f"the pose {expected}")
 
         self.screenshot("inspector.png")
+        self.show_where_robots_are_found()
         drawn = self.browser.execute_script(SHARE_ON_WALLS)
         self.assertGreater(drawn["pixels"], 200, drawn)
         self.assertGreater(drawn["near"], 0.8, drawn)

@@ -1,6 +1,7 @@
 /// \file  Scans that a lidar would take in the free space of a floor map.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <cornerfix/laser_scan.hpp>
@@ -9,8 +10,7 @@
 
 namespace cornerfix {
 
-/// A lidar of 1080 beams all around that sees 12 m far, without noise. Immutable after
-/// construction: any threads may share it.
+/// Casts scans without noise. Immutable after construction: any threads may share it.
 class VirtualLidar {
  public:
   /// \param floor_map  Must outlive this. O(cells).
@@ -20,9 +20,17 @@ class VirtualLidar {
   /// walls, if that is `clearance_m` or more. O(cells).
   [[nodiscard]] std::vector<Point2> viewpoints(double lattice_m, double clearance_m) const;
 
-  /// A beam goes on through narrow gaps of the unknown but has no return from beyond 0.25 m of it.
-  /// The laser's axes are those of `map`.
+  /// With the geometry of `lidar` (its ranges are ignored) and so many beams. A beam goes on
+  /// through narrow gaps of the unknown but has no return from beyond 0.25 m of it.
+  [[nodiscard]] LaserScan scan(const LaserScan& lidar, std::size_t beams,
+                               const Pose2& T_map_laser) const;
+  /// By 1080 beams all around that see 12 m far, with the axes of `map`.
   [[nodiscard]] LaserScan scan(const Point2& viewpoint_map) const;
+
+  /// Metres from a point to the nearest wall or to the unknown beyond it; 0 outside the floor map.
+  [[nodiscard]] double clearance(const Point2& point_map) const {
+    return caster_.clearance(point_map);
+  }
 
  private:
   const OccupancyGrid& floor_map_;

@@ -36,6 +36,8 @@ std::string schema_of(const nlohmann::json& answer) {
            {"type", "Problem"},
            {"warnings", "FloorMapResult"},
            {"digest", "Map"},
+           {"summary", "Report"},
+           {"progress", "ReportProgress"},
            {"maps", answer.contains("robot") ? "Session" : "MapList"},
            {"accepted", "MapBatch"},
            {"entries", "Descriptor"},

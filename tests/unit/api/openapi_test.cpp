@@ -108,6 +108,8 @@ TEST(Openapi, HasEveryCallOfTheContract) {
                        "get /v1/maps/{map}/features/{id}/descriptor",
                        "get /v1/maps/{map}/grid.png",
                        "get /v1/maps/{map}/grid.yaml",
+                       "get /v1/maps/{map}/report",
+                       "get /v1/maps/{map}/report.svg",
                        "post /v1/maps/{map}/localize",
                        "get /v1/sessions",
                        "post /v1/sessions",

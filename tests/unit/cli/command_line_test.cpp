@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "unit/cli/fake_server.hpp"
 #include "unit/cli/temporary_directory.hpp"
@@ -124,6 +128,31 @@ TEST_F(CommandLine, ListsMapsOverAllPages) {
             "NAME    REVISION  KEY FRAMES  FEATURES  SIZE         UPDATED\n"
             "attic   3         10          20        5.0 x 2.5 m  2024-01-02T03:04:05Z\n"
             "cellar  1         -           -         -            -\n");
+}
+
+TEST_F(CommandLine, WaitsForAReportAndSavesItsPicture) {
+  int asked = 0;
+  FakeServer server([&asked](const FakeRequest& request) {
+    if (request.path == "/v1/maps/attic/report.svg") return FakeAnswer{200, "<svg/>"};
+    EXPECT_EQ(request.path, "/v1/maps/attic/report?wait=2");
+    if (++asked < 3) return FakeAnswer{202, R"({"state": "computing", "progress": 0.5})"};
+    return FakeAnswer{200, R"({"state": "done", "summary": "All well but one place.",
+        "free_area_m2": 80, "features_per_100_m2": 12.5, "advice": ["Start elsewhere."],
+        "areas": [{"x": 4, "y": 1.25, "radius_m": 2, "way_m": 9.5, "found": 0.75,
+                   "looks_like": {"x": 30, "y": 1}, "better_start": null}]})"};
+  });
+  const std::string picture = (directory_.path() / "attic.svg").string();
+  const Outcome outcome = run(
+      {"map", "report", "attic", "--picture", picture.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out,
+            "All well but one place.\n"
+            "80 m2 free, 12.5 features in 100 m2\n\n"
+            "HARD AREA  RADIUS  WAY    FOUND  LOOKS LIKE  BETTER START\n"
+            "4.0, 1.2   2.0 m   9.5 m  75 %   30.0, 1.0   -\n"
+            "- Start elsewhere.\n");
+  std::ifstream file(picture);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "<svg/>");
 }
 
 TEST_F(CommandLine, SaysWhatTheServerSaysOfAnUnknownMap) {

@@ -1,0 +1,29 @@
+/// \file  The localizability report in sentences for those who run the robots.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <cornerfix/hard_areas.hpp>
+
+namespace cornerfix::api {
+
+/// What shares of the simulated starts were told their pose.
+struct ReportShares {
+  std::size_t starts = 0;
+  double found_at_once = 0.0;
+  double found = 0.0;     ///< Within the way allowed.
+  std::size_t wrong = 0;  ///< Starts that were told another pose first.
+};
+[[nodiscard]] ReportShares shares_of(const LocalizabilityReport& report);
+
+/// One sentence.
+[[nodiscard]] std::string summarize(const LocalizabilityReport& report);
+/// What to do, most important first; never empty.
+[[nodiscard]] std::vector<std::string> advise(const LocalizabilityReport& report,
+                                              std::span<const HardArea> areas);
+
+[[nodiscard]] double features_per_100_m2(const LocalizabilityReport& report);
+
+}  // namespace cornerfix::api

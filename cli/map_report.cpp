@@ -1,0 +1,93 @@
+#include "cli/map_report.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/progress.hpp"
+#include "cli/table.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+constexpr std::size_t kMaxRows = 10;
+
+template <typename... Values>
+std::string text(const char* pattern, Values... values) {
+  char out[96];
+  std::snprintf(out, sizeof out, pattern, values...);
+  return out;
+}
+
+std::string place_text(const nlohmann::json& place) {
+  if (!place.is_object()) return "-";
+  return text("%.1f, %.1f", place.value("x", 0.0), place.value("y", 0.0));
+}
+
+/// Asks until the report is made.
+Result<nlohmann::json> wait_for_report(ServerConnection& server, const std::string& path) {
+  Progress progress("simulating");
+  for (;;) {
+    Result<nlohmann::json> report = server.call({"GET", path + "?wait=2"});
+    if (!report || report->value("state", "done") == "done") return report;
+    progress.update(report->value("progress", 0.0));
+  }
+}
+
+void print_areas(const nlohmann::json& areas) {
+  std::vector<std::vector<std::string>> rows = {
+      {"HARD AREA", "RADIUS", "WAY", "FOUND", "LOOKS LIKE", "BETTER START"}};
+  for (const auto& area : areas) {
+    if (rows.size() > kMaxRows) break;
+    rows.push_back({place_text(area), text("%.1f m", area.value("radius_m", 0.0)),
+                    text("%.1f m", area.value("way_m", 0.0)),
+                    text("%.0f %%", 100.0 * area.value("found", 0.0)),
+                    place_text(area.value("looks_like", nlohmann::json())),
+                    place_text(area.value("better_start", nlohmann::json()))});
+  }
+  if (rows.size() > 1) print_table(rows);
+}
+
+void print_report(const nlohmann::json& report) {
+  std::printf("%s\n", report.value("summary", "").c_str());
+  std::printf("%.0f m2 free, %.1f features in 100 m2\n\n", report.value("free_area_m2", 0.0),
+              report.value("features_per_100_m2", 0.0));
+  print_areas(report.value("areas", nlohmann::json::array()));
+  for (const auto& sentence : report.value("advice", std::vector<std::string>{}))
+    std::printf("- %s\n", sentence.c_str());
+}
+
+Result<void> write_picture(ServerConnection& server, const std::string& path,
+                           const std::string& file_path) {
+  HttpRequest request{"GET", path + ".svg"};
+  request.answer_path = file_path;
+  const Result<std::string> svg = server.fetch(request);
+  if (!svg) return svg.error();
+  if (server.is_printing()) return {};
+  std::ofstream file(file_path, std::ios::binary);
+  file.write(svg->data(), static_cast<std::streamsize>(svg->size()));
+  file.close();
+  if (!file) return Error{ErrorCode::kUnavailable, "cannot be written", file_path};
+  return {};
+}
+
+}  // namespace
+
+int run_map_report(const MapReportArguments& arguments) {
+  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  if (!server) return fail(server.error());
+  const std::string path = "/v1/maps/" + percent_encode(arguments.name) + "/report";
+  const Result<nlohmann::json> report =
+      server->is_printing() ? server->call({"GET", path}) : wait_for_report(*server, path);
+  if (!report) return fail(report.error());
+  if (!server->is_printing()) print_report(*report);
+  if (arguments.picture.empty()) return kDone;
+  const Result<void> written = write_picture(*server, path, arguments.picture);
+  return written ? kDone : fail(written.error());
+}
+
+}  // namespace cornerfix::cli

@@ -1,0 +1,95 @@
+/// \file  Whether robots will find themselves in a map, place by place, before one is sent there.
+///
+/// Simulated robots are switched on all over the free space of the map's own grid, look several
+/// ways and drive until the localizer tells where they are. A place is hard when the map shows too
+/// little there, or when another place answers for it. People, and what has changed since the map
+/// was made, are not simulated: robots in the building need as much or more.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include <cornerfix/laser_scan.hpp>
+#include <cornerfix/localization_map.hpp>
+#include <cornerfix/virtual_lidar.hpp>
+
+namespace cornerfix {
+
+/// A robot's lidar and where it is mounted; the default sees half a turn, 30 m far.
+struct VirtualRobot {
+  LaserScan lidar{.stamp = 0.0,
+                  .angle_min = -0.5 * std::numbers::pi,
+                  .angle_increment = std::numbers::pi / 180.0,
+                  .range_min = 0.05,
+                  .range_max = 30.0,
+                  .ranges = {}};  ///< Ranges are ignored.
+  std::size_t beams = 181;        ///< >= 1.
+  Pose2 T_base_link_laser;
+};
+
+struct LocalizabilityParams {
+  VirtualRobot robot{};
+  double lattice_m = 1.5;        ///< Between places, or more where that gives too many; > 0.
+  std::size_t max_places = 100;  ///< Bounds the time; >= 1.
+  double way_m = 20.0;           ///< Driving allowed until the fix; > 0.
+};
+
+/// What happens to a robot that is switched on at a pose and drives ahead where there is room.
+struct AssessedStart {
+  Pose2 T_map_base_link;
+  std::optional<double> way_m;  ///< Driven until it was told its pose; nothing when it never was.
+  bool is_wrong = false;        ///< The pose it was told first was another one.
+  double confidence = 0.0;      ///< In the true pose, before it drove; in [0, 1].
+  std::optional<Pose2> rival;   ///< From where it might have started as well, as far as it could
+                                ///< tell when it last was `ambiguous`.
+  double rival_way_m = 0.0;     ///< Driven until then.
+};
+
+struct AssessedPlace {
+  Point2 position_map = Point2::Zero();
+  std::size_t features_near = 0;      ///< Features of the map within 6 m.
+  std::vector<AssessedStart> starts;  ///< Four, looking along the longest free way, left, back and
+                                      ///< right.
+};
+
+/// Two starts that could not be told apart until `way_m` was driven.
+struct LookAlike {
+  Pose2 T_map_a;
+  Pose2 T_map_b;
+  double way_m = 0.0;      ///< The most that any of `starts` drove.
+  std::size_t starts = 0;  ///< Simulated ones for which one stood for the other.
+};
+
+struct LocalizabilityReport {
+  VirtualRobot robot{};
+  double way_limit_m = 0.0;
+  double lattice_m = 0.0;              ///< As it was in the end.
+  double free_area_m2 = 0.0;           ///< Of the map.
+  std::size_t features = 0;            ///< Of the map.
+  std::vector<AssessedPlace> places;   ///< Row by row.
+  std::vector<LookAlike> look_alikes;  ///< Those that take longest to tell apart first.
+};
+
+/// Mean over the starts of a place; one that was not told its pose counts with the whole limit [m].
+[[nodiscard]] double expected_way_m(const AssessedPlace& place, double way_limit_m);
+
+/// Told the share done, in [0, 1]; the assessment ends when it returns false. May be empty.
+using AssessmentProgress = std::function<bool(double)>;
+
+/// Deterministic. Ranges have noise of 2 cm; odometry is exact. Some 20 ms to 50 ms a start, in
+/// mazes of equal corridors ten times that.
+///
+/// \return Nothing when `progress` told it to end. A map without free space has no places.
+[[nodiscard]] std::optional<LocalizabilityReport> assess_localizability(
+    const LocalizationMapPtr& map, const LocalizabilityParams& params = {},
+    const AssessmentProgress& progress = {});
+
+/// One start of it. \param lidar  Of the map's grid.
+[[nodiscard]] AssessedStart assess_start(const LocalizationMapPtr& map, const VirtualLidar& lidar,
+                                         const Pose2& T_map_base_link,
+                                         const LocalizabilityParams& params);
+
+}  // namespace cornerfix

@@ -1,0 +1,58 @@
+/// \file  The use case on localizability reports: made one after the other beside the requests, and
+/// kept until their maps change.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include <cornerfix/localizability.hpp>
+
+#include "server/map_library.hpp"
+
+namespace cornerfix::server {
+
+/// How far a map's report is.
+struct ReportView {
+  std::shared_ptr<const LocalizabilityReport> report;  ///< Null while it is being made.
+  std::uint64_t revision = 0;                          ///< Of the map that it is of.
+  double progress = 0.0;                               ///< In [0, 1].
+};
+
+/// One thread of low priority makes the reports, so that robots' answers do not wait for them. Any
+/// threads may call.
+class ReportService {
+ public:
+  explicit ReportService(std::shared_ptr<MapLibrary> maps);
+  ~ReportService();
+  ReportService(const ReportService&) = delete;
+  ReportService& operator=(const ReportService&) = delete;
+
+  /// The report of this revision; begun when it is not there, and waited for so long. Robots are
+  /// simulated with the map's lidar if it names one with its beams, else with that of VirtualRobot.
+  /// kUnavailable when too many reports wait.
+  [[nodiscard]] Result<ReportView> get(const storage::MapInfo& info, std::chrono::seconds wait);
+
+  /// Nobody waits any longer, and what is in work is given up.
+  void close();
+
+ private:
+  struct Job;
+
+  [[nodiscard]] std::shared_ptr<Job> find_or_begin(const storage::MapInfo& info);
+  void work();
+  void make(Job& job);
+
+  std::shared_ptr<MapLibrary> maps_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::list<std::shared_ptr<Job>> jobs_;  ///< Newest last.
+  std::size_t waiting_ = 0;               ///< Callers of get().
+  bool closing_ = false;
+  std::thread worker_;
+};
+
+}  // namespace cornerfix::server
