@@ -286,10 +286,14 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
   drives.scans.insert(drives.scans.end(), later.scans.begin(), later.scans.end());
   const RecordedLog robot = log_of(after, 200.0, 0.0, 3);
 
+  EvaluationOptions asked;
+  asked.starts = 25;
+  asked.way_m = 5.0;
+  asked.track_m = 0.0;
   const auto fixes_in_map_of = [&](const RecordedLog& mapping) {
     const Evaluation evaluation = map_from(mapping, mapping.scans.size(), {});
-    const auto records = evaluate(robot, 0, {evaluation.map}, 0, evaluation.mapping_positions,
-                                  {.starts = 25, .way_m = 5.0, .track_m = 0.0}, {});
+    const auto records =
+        evaluate(robot, 0, {evaluation.map}, 0, evaluation.mapping_positions, asked, {});
     const auto count = [&](Verdict verdict) {
       return std::ranges::count(records, verdict, &StartRecord::verdict);
     };
