@@ -19,7 +19,7 @@ namespace cornerfix {
 
 struct CornerHypothesisParams {
   std::size_t max_corners = 8;      ///< Of those seen, the ones seen most often; >= 1.
-  std::size_t max_pairs = 6'000;   ///< Of a corner seen and one of the map; bounds the time; >= 1.
+  std::size_t max_pairs = 6'000;    ///< Of a corner seen and one of the map; bounds the time; >= 1.
   std::size_t max_triangles = 500;  ///< Looked up in the map's index; bounds the time.
   std::size_t max_places = 4;       ///< >= 1
   double min_mean_weight = 0.0;     ///< Poses where the ends weigh less are none [nat].
