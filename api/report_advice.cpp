@@ -40,9 +40,9 @@ std::string cause(const HardArea& area) {
 }
 
 std::string remedy(const HardArea& area) {
-  const std::string change =
-      area.look_alike_map ? "put something that stays and stands out at one of the two"
-                          : "let them drive on, or give them a lidar that sees farther or wider";
+  std::string change = area.look_alike_map
+                           ? "put something that stays and stands out at one of the two"
+                           : "let them drive on, or give them a lidar that sees farther or wider";
   if (!area.easy_map) return change;
   return format("switch them on nearer to %s, %.1f m away, or ", at(*area.easy_map).c_str(),
                 (*area.easy_map - area.center_map).norm()) +
