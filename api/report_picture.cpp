@@ -14,6 +14,7 @@ namespace cornerfix::api {
 namespace {
 
 constexpr double kTextHeight = 0.022;  // of the picture's width
+constexpr double kMaxDotRadius = 0.8;  // [m]
 constexpr std::size_t kMaxPairsDrawn = 8;
 
 struct Shade {
@@ -94,8 +95,9 @@ std::string place_dot(const Canvas& canvas, const AssessedPlace& place,
   return format(
       "<circle cx=\"%.3f\" cy=\"%.3f\" r=\"%.3f\" fill=\"%s\"><title>(%.1f, %.1f): %.1f "
       "m</title></circle>\n",
-      canvas.x(place.position_map), canvas.y(place.position_map), 0.35 * report.lattice_m,
-      color_of(way_m), place.position_map.x(), place.position_map.y(), way_m);
+      canvas.x(place.position_map), canvas.y(place.position_map),
+      std::min(kMaxDotRadius, 0.35 * report.lattice_m), color_of(way_m), place.position_map.x(),
+      place.position_map.y(), way_m);
 }
 
 std::string legend(const Canvas& canvas, double size) {

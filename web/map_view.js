@@ -78,7 +78,7 @@ export class MapView {
     for (const spot of report.places) {
       const shade = color(WAY_COLORS.find(([limit]) => spot.way_m < limit)[1]);
       L.circle(at(spot), {
-        radius: 0.35 * report.lattice_m, weight: 1, color: shade, fillColor: shade, fillOpacity: 0.6,
+        radius: Math.min(0.8, 0.35 * report.lattice_m), weight: 1, color: shade, fillColor: shade, fillOpacity: 0.6,
       }).bindTooltip(`${spot.way_m.toFixed(1)} m to the fix`).addTo(this.#report);
     }
   }
