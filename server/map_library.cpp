@@ -19,7 +19,7 @@ using storage::MapStore;
 
 namespace {
 
-constexpr int kMaxAttempts = 3;
+constexpr int kMaxRevisionAttempts = 3;
 constexpr double kStampToleranceS = 1e-3;
 constexpr std::size_t kMaxStampsTold = 20;
 
@@ -275,7 +275,8 @@ Result<MapGrowthReport> MapLibrary::grow_retrying(std::string_view name,
                                                   std::span<const Scan> scans) {
   for (int attempt = 1;; ++attempt) {
     auto report = grow_once(name, scans);
-    if (report || attempt == kMaxAttempts || !is_worth_another_try(report.error())) return report;
+    if (report || attempt == kMaxRevisionAttempts || !is_worth_another_try(report.error()))
+      return report;
   }
 }
 
