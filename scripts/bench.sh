@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
 # Repeats the paper's experiments, puts Cornerfix beside its rivals on the same work, and writes docs/results.md.
-#   scripts/bench.sh [--quick] [--data DIR] [--out DIR]
+#   scripts/bench.sh [--quick] [--robots N] [--data DIR] [--out DIR]
 #   --quick   a few robots, scans and trials instead of many: under five minutes
+#   --robots  how many are switched on in a building: 50, or 4 when quick. With 50 the run takes hours
 #   --data    folder with logs/ and maps/ of recorded drives and floor maps; ../shared/data when it is there
 #   --out     where the report goes; docs by default
 # Work is done by single-threaded programs, as many at once as there are cores; times are processor time. Times are worth
 # something only on a machine that does nothing else.
 set -euo pipefail
 
-usage() { echo "usage: $0 [--quick] [--data DIR] [--out DIR]" >&2; exit 2; }
-mode=full data='' out=''
+usage() { echo "usage: $0 [--quick] [--robots N] [--data DIR] [--out DIR]" >&2; exit 2; }
+mode=full robots='' data='' out=''
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --quick) mode=quick; shift ;;
+    --robots) [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || usage; robots=$2; shift 2 ;;
     --data) [[ $# -ge 2 ]] || usage; data=$(realpath -m "$2"); shift 2 ;;
     --out) [[ $# -ge 2 ]] || usage; out=$(realpath -m "$2"); shift 2 ;;
     *) usage ;;
@@ -39,6 +41,8 @@ if [[ $mode == quick ]]; then
 else
   seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 lengths=""
 fi
+
+starts=${robots:-$starts}
 
 # A name, then how to come by the building; those whose files are not there are left out.
 buildings() {
