@@ -105,7 +105,8 @@ class Report:
 def introduce(report):
     run = report.run
     quick = run["mode"] == "quick"
-    again = "scripts/bench.sh --quick" if quick else "scripts/bench.sh"
+    robots = int(run["settings"].rsplit(" ", 1)[1])
+    again = "scripts/bench.sh" + (" --quick" if quick else "") + ("" if robots == (4 if quick else 50) else f" --robots {robots}")
     report.say(
         "# Results",
         f"Made by `{again}`; no number below was typed by hand but those of the paper, which are in "
