@@ -53,8 +53,8 @@ export class MapView {
     const corner = { x: grid.origin.x + grid.width * grid.resolution, y: grid.origin.y + grid.height * grid.resolution };
     const bounds = L.latLngBounds(at(grid.origin), at(corner));
     this.#grid = L.imageOverlay(URL.createObjectURL(grid.image), bounds, { className: 'grid' }).addTo(this.#map);
-    this.#map.setMaxBounds(bounds.pad(1));
     if (moveView) this.#map.fitBounds(bounds, { animate: false });
+    this.#map.setMaxBounds(bounds.pad(1));  // Now, or it would move the view away again.
   }
 
   setFeatures(features) {
