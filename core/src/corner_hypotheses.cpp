@@ -104,8 +104,9 @@ std::vector<Hypothesis> hypotheses_from_corners(const LocalizationMap& map,
   for (const Feature& corner : corners) {
     const std::vector<Point2> judges = judges_of(corner, ends_base_link);
     for (const Feature& mapped : map.features()) {
+      if (pairs == params.max_pairs) break;
       if (!may_be_same(corner, mapped)) continue;
-      if (++pairs > params.max_pairs) return places.take();
+      ++pairs;
       places.judge(pose_from(mapped, corner), judges);
     }
   }

@@ -128,30 +128,37 @@ bool GlobalSearch::search_due(Maps maps, const View& view) const {
                                               : is_due(searched_at_, view, kRareGrowth, kRareWay);
 }
 
-/// Looks in all maps for places that come near the best candidate, and which nears the best of
-/// them.
-void GlobalSearch::search(Maps maps, const View& view) {
-  // What no map may fall far below, from one map to the next.
-  double best_mean = kMinPlaceWeight + kRivalMargin;
+/// What no map may fall far below, from one map to the next.
+double GlobalSearch::best_mean(Maps maps, const View& view) const {
+  double best = kMinPlaceWeight + kRivalMargin;
   for (const Candidate& place : candidates_.all())
-    best_mean = std::max(best_mean, optimistic_mean(maps, view, place));
+    best = std::max(best, optimistic_mean(maps, view, place));
+  return best;
+}
+
+/// Looks in all maps for places that come near the best candidate, and which nears the best of
+/// them. Corners come first, so that a map where they find one is searched whole, too: no fix may
+/// rest on a map whose other places were not looked at.
+void GlobalSearch::search(Maps maps, const View& view) {
+  const double least_by_corners = best_mean(maps, view) - margin_to_look_at();
+  for (const std::size_t map : likeliest_first(maps.size())) {
+    if (asks_corners_of(map, maps, view)) look_by_corners(map, maps, view, least_by_corners);
+  }
+  double best = best_mean(maps, view);
   double looked_down_to = -std::numeric_limits<double>::infinity();
   for (const std::size_t map : likeliest_first(maps.size())) {
-    if (asks_corners_of(map, maps, view)) {
-      look_by_corners(map, maps, view, best_mean - margin_to_look_at());
-      continue;
-    }
+    if (asks_corners_of(map, maps, view)) continue;
     PlaceSearch::Run run(maps[map]->place_search(), view.evidence.ends, view.way, {});
     for (std::size_t places = 0; places < Candidates::kMaxPlaces; ++places) {
       // What was passed over once stays so, even if a better place lowers the limit.
-      looked_down_to = std::max(looked_down_to, best_mean - margin_to_look_at());
+      looked_down_to = std::max(looked_down_to, best - margin_to_look_at());
       const std::optional<Place> place = run.next(looked_down_to);
       if (!place) break;
-      best_mean = std::max(best_mean, place->mean_weight);
+      best = std::max(best, place->mean_weight);
       candidates_.consider(*maps[map], view, {map, place->T_map_base_link, 0, 0, {}});
     }
   }
-  rival_margin_ = std::min(kRivalMargin, best_mean - looked_down_to);
+  rival_margin_ = std::min(kRivalMargin, best - looked_down_to);
 }
 
 /// Whether corners are enough to look through a map: not where they are few, nor in a map that has

@@ -55,6 +55,7 @@ class GlobalSearch {
   [[nodiscard]] bool is_due(const Moment& last, const View& view, double growth,
                             double way_m) const;
   [[nodiscard]] bool search_due(Maps maps, const View& view) const;
+  [[nodiscard]] double best_mean(Maps maps, const View& view) const;
   void search(Maps maps, const View& view);
   [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
   void look_by_corners(std::size_t map, Maps maps, const View& view, double min_mean_weight);

@@ -93,9 +93,11 @@ TEST(CornerHypotheses, AreFoundFromTrianglesAlone) {
   }
   ASSERT_GE(seen.corners.size(), 8U);
   EXPECT_THAT(hypotheses(*map, seen, {.max_triangles = 0}), IsEmpty());
-  const auto found = hypotheses(*map, seen);
-  ASSERT_FALSE(found.empty());
-  EXPECT_THAT(found.front().T_map_base_link, IsPoseNear(T_map_base_link, 0.1, 0.02));
+  for (const std::size_t pairs : {std::size_t{6'000}, std::size_t{0}}) {  // Of none, and none left.
+    const auto found = hypotheses(*map, seen, {.max_pairs = pairs});
+    ASSERT_FALSE(found.empty());
+    EXPECT_THAT(found.front().T_map_base_link, IsPoseNear(T_map_base_link, 0.1, 0.02));
+  }
 }
 
 TEST(CornerHypotheses, MoveWithTheMap) {

@@ -317,21 +317,40 @@ TEST(Localizer, AForeignRoomIsCollecting) {
   }
 }
 
-TEST(Localizer, OneOfTwoIdenticalRoomsIsNeverTakenForTheOther) {
-  const SceneBuilder room = testing::random_room(7);
+/// Two rooms that are the same, far apart.
+LocalizationMapPtr twin_rooms(std::uint64_t seed) {
   const Pose2 T{30.0, 3.0, kPi / 2.0};
-  std::vector<PosedScan> scans = testing::mapping_scans(room, {0.0, 0.0});
-  for (PosedScan scan : testing::mapping_scans(room, {0.0, 0.0})) {
+  std::vector<PosedScan> scans = testing::mapping_scans(testing::random_room(seed), {0.0, 0.0});
+  const std::vector<PosedScan> one = scans;
+  for (PosedScan scan : one) {
     scan.T_map_base_link = T * scan.T_map_base_link;
     scans.push_back(std::move(scan));
   }
-  const auto map = std::make_shared<const LocalizationMap>("twins", 1, testing::map_content(scans));
+  return std::make_shared<const LocalizationMap>("twins", 1, testing::map_content(scans));
+}
+
+TEST(Localizer, OneOfTwoIdenticalRoomsIsNeverTakenForTheOther) {
+  const auto map = twin_rooms(7);
   for (const Method method : kMethods) {
     const std::vector<Moment> moments = room_drive(7, 12);
     const std::vector<Answer> answers = answers_of({map}, with(method), moments);
     SCOPED_TRACE(to_string(method));
     EXPECT_EQ(count(answers, Status::kLocalized), 0U);
     EXPECT_GT(count(answers, Status::kAmbiguous), 0U);
+  }
+}
+
+TEST(Localizer, IdenticalRoomsOfOneOfManyMapsAreToldApartNoBetter) {
+  for (std::uint64_t seed = 5; seed <= 8; ++seed) {
+    std::vector<LocalizationMapPtr> maps{twin_rooms(seed)};
+    while (maps.size() < 6) maps.push_back(room_map(seed + 10 * maps.size()));
+    for (const bool first : {true, false}) {
+      const std::vector<Answer> answers =
+          answers_of(maps, with(Method::kIndexed), room_drive(seed, 12));
+      EXPECT_EQ(count(answers, Status::kLocalized), 0U)
+          << "seed " << seed << (first ? ", first" : ", last");
+      std::ranges::reverse(maps);
+    }
   }
 }
 
