@@ -84,13 +84,15 @@ std::optional<PoseRelation> relate(std::span<const Point2> points_from, const Dr
   const PosePrior prior = isotropic_prior(T_submap_from, 0.3, 0.1);
   const RefinedPose coarse = refine_pose(submap.field, points_from, T_submap_from,
                                          {.kernel_m = 0.3, .max_iterations = 6}, prior);
-  const RefinedPose fine = refine_pose(submap.field, points_from, coarse.T_frame_base_link,
-                                       {.kernel_m = 0.1, .max_iterations = 8}, prior);
+  const ScanRefinerParams finely{.kernel_m = 0.1, .max_iterations = 8};
+  const RefinedPose fine =
+      refine_pose(submap.field, points_from, coarse.T_frame_base_link, finely, prior);
   if (fine.inlier_share < kMinInlierShare ||
       distance(fine.T_frame_base_link, T_submap_from) > kMaxShift ||
       angle_between(fine.T_frame_base_link, T_submap_from) > kMaxTurn)
     return std::nullopt;
-  Eigen::Matrix3d shown = fine.information;
+  Eigen::Matrix3d shown =
+      observed_information(submap.field, points_from, fine.T_frame_base_link, finely);
   shown.diagonal() += Eigen::Vector3d{1.0, 1.0, 10.0};  // blind directions: a metre, a third of rad
   Eigen::Matrix3d covariance = shown.inverse();
   covariance.diagonal() += Eigen::Vector3d{kLeastSigmaM * kLeastSigmaM, kLeastSigmaM * kLeastSigmaM,

@@ -98,7 +98,9 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   const EvidenceScore fit = score_evidence(map.classes(), {known, {}}, refined.T_frame_base_link);
   if (known_share >= kMinKnown && fit.matched >= kMinFitShare) {
     T_map_base_link_ = refined.T_frame_base_link;
-    covariance_ = (prior.information + refined.information).inverse();
+    covariance_ = (prior.information +
+                   observed_information(map.field(), known, T_map_base_link_, kCorrection))
+                      .inverse();
   }
   const double matched_of_mapped = fit.matched / std::max(0.2, 1.0 - fit.unmapped);
   const double usual = usual_fit_.value_or(matched_of_mapped);

@@ -48,31 +48,6 @@ Point2 smooth_gradient(const DistanceField& field, const Point2& point_grid) {
          (2.0 * kReach);
 }
 
-/// What the points say of the pose. On a wall the field has no slope, so the direction of the wall
-/// is read off a little before it, where the beam came from.
-Eigen::Matrix3d observed_information(const DistanceField& field, std::span<const Point2> points,
-                                     const Pose2& T, const ScanRefinerParams& params) {
-  constexpr double kBefore = 0.25;
-  const double c = std::cos(T.yaw);
-  const double s = std::sin(T.yaw);
-  const double kernel2 = params.kernel_m * params.kernel_m;
-  const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  for (const Point2& p : points) {
-    const Point2 turned{c * p.x() - s * p.y(), s * p.x() + c * p.y()};
-    const double distance = field.sample({T.x + turned.x(), T.y + turned.y()}).distance;
-    if (distance > 2.0 * params.kernel_m) continue;
-    const Point2 before = turned * std::max(0.0, 1.0 - kBefore / std::max(turned.norm(), kBefore));
-    Point2 normal = smooth_gradient(field, {T.x + before.x(), T.y + before.y()});
-    if (normal.squaredNorm() > 1.0) normal.normalize();
-    const double root = kernel2 / (kernel2 + distance * distance);
-    const Eigen::Vector3d jacobian{normal.x(), normal.y(),
-                                   normal.y() * turned.x() - normal.x() * turned.y()};
-    information.noalias() += (root * root * point_information) * jacobian * jacobian.transpose();
-  }
-  return information;
-}
-
 void add_prior(NormalEquations& sum, const Pose2& T, const PosePrior& prior) {
   const Pose2& at = prior.T_frame_base_link;
   const Eigen::Vector3d offset{T.x - at.x, T.y - at.y, wrap_angle(T.yaw - at.yaw)};
@@ -120,11 +95,38 @@ RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> poin
   }
   const NormalEquations at_end = linearize(field, points_base_link, T, params);
   result.T_frame_base_link = T_frame_grid * T;
-  result.information =
-      turned(observed_information(field, points_base_link, T, params), T_frame_grid.yaw);
   result.inlier_share =
       static_cast<double>(at_end.inliers) / static_cast<double>(points_base_link.size());
   return result;
+}
+
+/// On a wall the field has no slope, so the direction of the wall is read off a little before it,
+/// where the beam came from.
+Eigen::Matrix3d observed_information(const DistanceField& field,
+                                     std::span<const Point2> points_base_link,
+                                     const Pose2& T_frame_base_link,
+                                     const ScanRefinerParams& params) {
+  constexpr double kBefore = 0.25;
+  const Pose2 T = field.T_grid_frame() * T_frame_base_link;
+  const double c = std::cos(T.yaw);
+  const double s = std::sin(T.yaw);
+  const double kernel2 = params.kernel_m * params.kernel_m;
+  const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (const Point2& p : points_base_link) {
+    const Point2 turned_point{c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+    const double distance = field.sample({T.x + turned_point.x(), T.y + turned_point.y()}).distance;
+    if (distance > 2.0 * params.kernel_m) continue;
+    const Point2 before =
+        turned_point * std::max(0.0, 1.0 - kBefore / std::max(turned_point.norm(), kBefore));
+    Point2 normal = smooth_gradient(field, {T.x + before.x(), T.y + before.y()});
+    if (normal.squaredNorm() > 1.0) normal.normalize();
+    const double root = kernel2 / (kernel2 + distance * distance);
+    const Eigen::Vector3d jacobian{normal.x(), normal.y(),
+                                   normal.y() * turned_point.x() - normal.x() * turned_point.y()};
+    information.noalias() += (root * root * point_information) * jacobian * jacobian.transpose();
+  }
+  return turned(information, -field.T_grid_frame().yaw);
 }
 
 }  // namespace cornerfix

@@ -36,9 +36,7 @@ struct ScanRefinerParams {
 
 struct RefinedPose {
   Pose2 T_frame_base_link;
-  Eigen::Matrix3d information =
-      Eigen::Matrix3d::Zero();  ///< Of x, y, yaw; without the prior. May be singular.
-  double inlier_share = 0.0;    ///< Share of the points within kernel_m of a wall.
+  double inlier_share = 0.0;  ///< Share of the points within kernel_m of a wall.
 };
 
 /// \param points_base_link  Points to lay on walls [m].
@@ -49,5 +47,13 @@ struct RefinedPose {
                                       const Pose2& T_frame_base_link,
                                       const ScanRefinerParams& params,
                                       const std::optional<PosePrior>& prior = std::nullopt);
+
+/// What the points say of the pose that they were laid on walls by: information of x, y, yaw along
+/// the axes of the frame, without any prior. Singular where they say nothing (along a bare
+/// corridor). O(points).
+[[nodiscard]] Eigen::Matrix3d observed_information(const DistanceField& field,
+                                                   std::span<const Point2> points_base_link,
+                                                   const Pose2& T_frame_base_link,
+                                                   const ScanRefinerParams& params);
 
 }  // namespace cornerfix
