@@ -84,6 +84,7 @@ class ClassField {
 
   Pose2 T_grid_map_;
   double resolution_ = 1.0;
+  std::array<double, kFieldClasses> stride_{};  ///< By end class, cells of the way to skip.
   int width_ = 0;
   int height_ = 0;
   std::vector<std::uint8_t> classes_;
