@@ -104,10 +104,11 @@ void GlobalSearch::verify(Maps maps, const View& view) {
   for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
   searched_ = search_due(maps, view);
   if (!searched_) return;
-  search(maps, view);
+  Looks looks(maps.size());
+  search(maps, view, looks);
   // A place found late may be worth a deeper look than the maps before it were given.
   if (!candidates_.empty() && candidates_.may_be_fix() && rival_margin_ < margin_to_look_at())
-    search(maps, view);
+    search(maps, view, looks);
   searched_at_ = {view.evidence.ends.size(), way_m_};
 }
 
@@ -139,7 +140,7 @@ double GlobalSearch::best_mean(Maps maps, const View& view) const {
 /// Looks in all maps for places that come near the best candidate, and which nears the best of
 /// them. Corners come first, so that a map where they find one is searched whole, too: no fix may
 /// rest on a map whose other places were not looked at.
-void GlobalSearch::search(Maps maps, const View& view) {
+void GlobalSearch::search(Maps maps, const View& view, Looks& looks) {
   const double least_by_corners = best_mean(maps, view) - margin_to_look_at();
   for (const std::size_t map : likeliest_first(maps.size())) {
     if (asks_corners_of(map, maps, view)) look_by_corners(map, maps, view, least_by_corners);
@@ -148,15 +149,17 @@ void GlobalSearch::search(Maps maps, const View& view) {
   double looked_down_to = -std::numeric_limits<double>::infinity();
   for (const std::size_t map : likeliest_first(maps.size())) {
     if (asks_corners_of(map, maps, view)) continue;
-    PlaceSearch::Run run(maps[map]->place_search(), view.evidence.ends, view.way, {});
-    for (std::size_t places = 0; places < Candidates::kMaxPlaces; ++places) {
-      // What was passed over once stays so, even if a better place lowers the limit.
-      looked_down_to = std::max(looked_down_to, best - margin_to_look_at());
-      const std::optional<Place> place = run.next(looked_down_to);
+    std::optional<Look>& look = looks[map];
+    if (!look) look.emplace(maps[map]->place_search(), view);
+    double least = best - margin_to_look_at();
+    for (; look->places < Candidates::kMaxPlaces; ++look->places) {
+      least = best - margin_to_look_at();
+      const std::optional<Place> place = look->run.next(least);
       if (!place) break;
       best = std::max(best, place->mean_weight);
       candidates_.consider(*maps[map], view, {map, place->T_map_base_link, 0, 0, {}});
     }
+    looked_down_to = std::max(looked_down_to, least);
   }
   rival_margin_ = std::min(kRivalMargin, best - looked_down_to);
 }

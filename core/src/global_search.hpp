@@ -7,10 +7,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <cornerfix/localizer_params.hpp>
+#include <cornerfix/place_search.hpp>
 
 #include "candidates.hpp"
 #include "view.hpp"
@@ -50,13 +52,21 @@ class GlobalSearch {
     double way_m = 0.0;
   };
 
+  /// Into one map, as far as it has come.
+  struct Look {
+    Look(const PlaceSearch& map, const View& view) : run(map, view.evidence.ends, view.way, {}) {}
+    PlaceSearch::Run run;
+    std::size_t places = 0;
+  };
+  using Looks = std::vector<std::optional<Look>>;  ///< By map.
+
   void match_corners(Maps maps, const View& view, std::uint64_t seed);
   void match_descriptors(Maps maps, const View& view, std::uint64_t seed);
   [[nodiscard]] bool is_due(const Moment& last, const View& view, double growth,
                             double way_m) const;
   [[nodiscard]] bool search_due(Maps maps, const View& view) const;
   [[nodiscard]] double best_mean(Maps maps, const View& view) const;
-  void search(Maps maps, const View& view);
+  void search(Maps maps, const View& view, Looks& looks);
   [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
   void look_by_corners(std::size_t map, Maps maps, const View& view, double min_mean_weight);
   [[nodiscard]] double margin_to_look_at() const;

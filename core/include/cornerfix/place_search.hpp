@@ -4,12 +4,11 @@
 /// After Hess et al. 2016 (real-time loop closure in 2D lidar SLAM, section V): a pyramid of maxima
 /// bounds the score of every pose in a block of cells, so that most of the map is never looked at.
 /// Unlike there, the result is *distinct* places, best first and as far down as they are asked for,
-/// since a fix is worth only as much as the gap to the second. And the coarsest blocks, which are
-/// many, are looked at with some of the points: what these say of all points is off by less than a
-/// slack.
+/// since a fix is worth only as much as the gap to the second. And there is one level of blocks, of
+/// which those side by side are judged at once; some of the points come first, and what these say
+/// of all points is off by less than a slack.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -38,11 +37,14 @@ struct Place {
   double mean_weight = 0;  ///< Optimistic mean weight of the points [nat].
 };
 
-/// The pyramid of one map. Immutable: any threads may share it. 18 bytes a 0.2 m cell with its
-/// border.
+struct PlaceFields;
+
+/// Immutable: any threads may share it. 10 bytes a 0.2 m cell of the map with its border.
 class PlaceSearch {
  public:
   explicit PlaceSearch(const ClassField& classes);
+  ~PlaceSearch();
+  PlaceSearch(PlaceSearch&&) noexcept;
 
   /// \param ends_base_link  Where beams ended, in base_link at the pose asked for.
   /// \param way_base_link   Where the robot has been, which should be free space.
@@ -68,39 +70,7 @@ class PlaceSearch {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// Maxima over blocks of 1, 2, 4 … cells.
-  struct Pyramid {
-    /// Each word holds the four blocks that make a larger one, by the level of the larger, from 1.
-    std::array<std::vector<std::uint32_t>, 2> blocks_below;
-  };
-  struct Node;
-  class Frontier;
-  struct Points;
-  struct Query;
-
-  [[nodiscard]] std::vector<std::uint8_t> pooled(
-      const ClassField& classes, std::span<const std::uint8_t, 256> value_of_class) const;
-  [[nodiscard]] Pyramid make_pyramid(std::vector<std::uint8_t> finest, std::uint8_t outside) const;
-  /// Blocks of 2 cells, those of one phase against the top blocks side by side, row by row.
-  [[nodiscard]] std::vector<std::uint8_t> by_phase(const Pyramid& pyramid) const;
-  [[nodiscard]] Points gather(std::span<const Point2> ends_base_link,
-                              std::span<const Point2> way_base_link, int max_points) const;
-  [[nodiscard]] Query make_query(const Points& points) const;
-  /// Bounds of the four blocks that `node` is made of; zeros when none reaches the threshold.
-  [[nodiscard]] std::array<int, 4> bounds_below(const Query& query, const Node& node,
-                                                int threshold) const;
-
-  Pose2 T_map_grid_;
-  double cell_m_ = 0.2;
-  int inner_width_ =
-      0;  ///< Cells of the map proper, which lies inside a border as wide as points may reach.
-  int inner_height_ = 0;
-  int width_ = 0;  ///< With the border; a multiple of a top block.
-  int height_ = 0;
-  Pyramid ends_;
-  Pyramid way_;
-  std::vector<std::uint8_t> ends_by_phase_;
-  std::vector<std::uint8_t> way_by_phase_;
+  std::unique_ptr<const PlaceFields> fields_;
 };
 
 /// The places of one question. Refers to the search that it was made from.
@@ -113,7 +83,6 @@ class PlaceSearch::Run {
 
   /// The best place that was not given yet, or nothing when none has at least this mean weight
   /// [nat].
-  /// From call to call that may only rise: what lies below it is forgotten.
   [[nodiscard]] std::optional<Place> next(double min_mean_weight);
 
  private:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "support/drawn_grid.hpp"
@@ -315,6 +316,31 @@ TEST(PlaceSearch, FarPointsWithinReachAreFound) {
   const std::vector<Place> places = search.find(ends, kHere, {.max_points = 400});
   ASSERT_FALSE(places.empty());
   EXPECT_THAT(places.front().T_map_base_link, IsPoseNear(truth, 0.6, 0.07));
+}
+
+/// Nothing is lost by asking little at first, nor where there is too much to look at all at once.
+TEST(PlaceSearch, ALookThatGoesDeeperFindsWhatADeepOneDoes) {
+  const SceneBuilder scene =
+      SceneBuilder().room({0, 0}, {25.0, 15.0}).box({12.0, 10.0}, {2.0, 1.0}, 0.4);
+  const PlaceSearch search(
+      classes_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {27.0, 17.0}, 0.05)));
+  const std::vector<Point2> ends = ends_at(scene, {9.0, 12.0, 0.4});
+  const auto places_by = [&](const std::vector<double>& limits) {
+    PlaceSearch::Run run(search, ends, kHere, {});
+    std::vector<Place> places;
+    for (const double least : limits) {
+      while (const std::optional<Place> place = run.next(least)) places.push_back(*place);
+    }
+    return places;
+  };
+  const std::vector<Place> deep = places_by({-1.1});
+  const std::vector<Place> deeper = places_by({0.3, 0.0, -0.9, -1.1});
+  ASSERT_GT(deep.size(), 300U);
+  EXPECT_TRUE(std::ranges::is_sorted(deep, std::greater{}, &Place::mean_weight));
+  // Which of equal neighbours comes first, and keeps the others away, is a matter of the order.
+  EXPECT_NEAR(static_cast<double>(deeper.size()) / static_cast<double>(deep.size()), 1.0, 0.02);
+  for (std::size_t i = 0; i < 50; ++i)
+    EXPECT_NEAR(deeper[i].mean_weight, deep[i].mean_weight, 1e-9) << i;
 }
 
 TEST(PlaceSearch, SameInputSamePlaces) {
