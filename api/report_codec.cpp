@@ -12,7 +12,7 @@
 namespace cornerfix::api {
 namespace {
 
-constexpr std::size_t kFewFeatures = 4;  // The paper's methods try no match with less.
+constexpr std::size_t kMinToMatch = 4;  // The paper's methods try no match with less.
 
 /// Thousandths: millimetres, milliradians.
 Json rounded(double value) { return std::round(value * 1e3) / 1e3; }
@@ -52,7 +52,7 @@ Json place_json(const AssessedPlace& place, double way_limit_m) {
           place.starts, [](const AssessedStart& start) { return start.way_m.has_value(); })) /
       static_cast<double>(place.starts.size()));
   json["features_near"] = place.features_near;
-  json["few_features"] = place.features_near < kFewFeatures;
+  json["few_features"] = place.features_near < kMinToMatch;
   json["starts"] = Json::array();
   for (const AssessedStart& start : place.starts) json["starts"].push_back(start_json(start));
   return json;

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <ostream>
+
+#include "cli/degrees.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {

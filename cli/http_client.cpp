@@ -15,7 +15,7 @@ namespace cornerfix::cli {
 namespace {
 
 constexpr int kMaxAttempts = 10;
-constexpr int kMaxWaitSeconds = 30;
+constexpr int kMaxRetryWaitSeconds = 30;
 constexpr auto kAnswerTimeout = std::chrono::seconds(120);  // A large map is made anew meanwhile.
 
 struct Origin {
@@ -81,7 +81,7 @@ int retry_after_seconds(const httplib::Response& response) {
   const std::string header = response.get_header_value("Retry-After");
   int seconds = 1;
   std::from_chars(header.data(), header.data() + header.size(), seconds);
-  return std::clamp(seconds, 0, kMaxWaitSeconds);
+  return std::clamp(seconds, 0, kMaxRetryWaitSeconds);
 }
 
 bool asks_to_wait(const httplib::Response& response) {

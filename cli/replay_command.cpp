@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/degrees.hpp"
 #include "cli/log_position.hpp"
 #include "cli/log_survey.hpp"
 #include "cli/scan_json.hpp"
@@ -19,8 +19,6 @@
 namespace cornerfix::cli {
 
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 struct ReplayArguments {
   ConnectionOptions connection;

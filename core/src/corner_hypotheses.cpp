@@ -13,7 +13,7 @@ constexpr double kReach = 6.0;  // ends nearer than this to a corner judge it [m
                                 // would ask for a better heading than a corner has
 constexpr std::size_t kJudges = 32;
 constexpr std::size_t kFirstJudges = 8;      // after which a hopeless pose is given up
-constexpr double kHopeless = -0.3;           // [nat]
+constexpr double kHopelessMean = -0.3;       // [nat]
 constexpr double kMaxTurnDifference = 0.35;  // between two views of one corner [rad]
 constexpr std::size_t kMaxTriangleMatches = 2;
 
@@ -28,7 +28,7 @@ class Places {
     if (judges.empty() || !is_free(T_map_base_link.translation())) return;
     const std::size_t first = std::min(kFirstJudges, judges.size());
     double sum = map_.place_search().sum_of_weights(judges.first(first), T_map_base_link);
-    if (sum < kHopeless * static_cast<double>(first)) return;
+    if (sum < kHopelessMean * static_cast<double>(first)) return;
     sum += map_.place_search().sum_of_weights(judges.subspan(first), T_map_base_link);
     const double mean = sum / static_cast<double>(judges.size());
     if (mean >= params_.min_mean_weight) add({T_map_base_link, mean});

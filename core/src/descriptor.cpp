@@ -10,7 +10,7 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
 constexpr double kMaxBins = std::numeric_limits<std::uint16_t>::max();
 constexpr double kMaxAngleBins = 4096.0;
 
@@ -28,14 +28,14 @@ class Quantiser {
  public:
   Quantiser(const DescriptorParams& params, int angle_bins)
       : distance_resolution_(params.distance_resolution_m),
-        angle_resolution_(kTurn / angle_bins),
+        angle_resolution_(kFullTurn / angle_bins),
         angle_bins_(angle_bins) {}
 
   [[nodiscard]] NearPair operator()(std::uint32_t first, std::uint32_t second, const Point2& v,
                                     double distance) const {
     const double bearing = std::atan2(v.y(), v.x());
     return {first, second, static_cast<std::uint16_t>(std::lround(distance / distance_resolution_)),
-            angle_bin(bearing < 0.0 ? bearing + kTurn : bearing),
+            angle_bin(bearing < 0.0 ? bearing + kFullTurn : bearing),
             angle_bin(bearing + std::numbers::pi)};
   }
 
@@ -94,7 +94,7 @@ std::vector<NearPair> sorted_by_distance(const std::vector<NearPair>& pairs) {
 }  // namespace
 
 int angle_bins(const DescriptorParams& params) {
-  return static_cast<int>(std::lround(kTurn / params.angle_resolution_rad));
+  return static_cast<int>(std::lround(kFullTurn / params.angle_resolution_rad));
 }
 
 std::optional<Error> validate(const DescriptorParams& params) {
@@ -104,7 +104,7 @@ std::optional<Error> validate(const DescriptorParams& params) {
   if (!(params.distance_resolution_m > 0.0) || !std::isfinite(params.distance_resolution_m)) {
     return broken("distance_resolution_m", "must be a finite length in metres above 0");
   }
-  const double angle_bins = kTurn / params.angle_resolution_rad;
+  const double angle_bins = kFullTurn / params.angle_resolution_rad;
   if (!(angle_bins >= 1.0 && angle_bins <= kMaxAngleBins &&
         std::abs(angle_bins - std::round(angle_bins)) < 1e-6)) {
     return broken("angle_resolution_rad", "must divide a full turn into 1 to 4096 parts");

@@ -26,8 +26,8 @@ PassClass pass_class_of(double distance_m, Cell cell) {
 }
 
 // A place of a class is at least this far from a wall [m].
-constexpr std::array<double, kFieldClasses> kClearance{0.0, 0.05, 0.10, 0.15, 0.20, 0.30,
-                                                       0.5, 1.0,  0.20, 0.30, 0.5,  1.0};
+constexpr std::array<double, kFieldClasses> kClassClearance{0.0, 0.05, 0.10, 0.15, 0.20, 0.30,
+                                                            0.5, 1.0,  0.20, 0.30, 0.5,  1.0};
 
 // Ranges of classes, the last one not included.
 constexpr std::size_t kEndOfMatched = 3;  // within 0.15 m of a wall
@@ -65,7 +65,7 @@ ClassField::ClassField(const OccupancyGrid& grid, const DistanceField& field)
       height_(grid.height),
       classes_(grid.cells.size()) {
   for (std::size_t i = 0; i < stride_.size(); ++i)
-    stride_[i] = std::max(0.7, kClearance[i] / resolution_);
+    stride_[i] = std::max(0.7, kClassClearance[i] / resolution_);
   for (std::size_t i = 0; i < classes_.size(); ++i) {
     const double distance_m = DistanceField::kStep * static_cast<double>(field.steps()[i]);
     const auto pass = static_cast<std::size_t>(pass_class_of(distance_m, grid.cells[i]));
@@ -83,7 +83,7 @@ bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) 
     const auto column = static_cast<int>(std::floor(p.x()));
     const auto row = static_cast<int>(std::floor(p.y()));
     const std::uint8_t here = at(column, row);
-    if (crossed && kClearance[here & 15U] >= kClear) return true;
+    if (crossed && kClassClearance[here & 15U] >= kClear) return true;
     crossed = crossed || (here >> 4U) == static_cast<std::size_t>(PassClass::kOnWall);
     along += stride_[here & 15U];
   }

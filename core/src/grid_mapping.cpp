@@ -10,8 +10,8 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kLattice = 1.0;     // [m]
-constexpr double kClearance = 0.25;  // [m]
+constexpr double kLattice = 1.0;              // [m]
+constexpr double kViewpointClearance = 0.25;  // [m]
 // Walls in cells are stairs; what they differ by from straight ones counts as noise of the ranges.
 constexpr double kNoisePerCell = 0.3;
 constexpr double kThickWall = 0.15;  // [m], and so many cells
@@ -25,7 +25,7 @@ bool has_cell(const OccupancyGrid& grid, Cell cell) {
 std::vector<Feature> features_of(const OccupancyGrid& floor_map, const MapperParams& params) {
   const VirtualLidar lidar(floor_map);
   FeatureMap features(params.features);
-  for (const Point2& viewpoint : lidar.viewpoints(kLattice, kClearance)) {
+  for (const Point2& viewpoint : lidar.viewpoints(kLattice, kViewpointClearance)) {
     std::vector<Feature> corners = extract_corners(lidar.scan(viewpoint), params.extractor,
                                                    kNoisePerCell * floor_map.resolution);
     for (Feature& corner : corners)

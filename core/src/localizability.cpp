@@ -11,12 +11,12 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kClearance = 0.3;      // of a place from walls [m]
-constexpr double kFeatureRadius = 6.0;  // [m]
-constexpr double kRangeNoise = 0.02;    // [m]
-constexpr double kRightDistance = 0.5;  // [m]
+constexpr double kRobotClearance = 0.3;  // of a place from walls [m]
+constexpr double kFeatureRadius = 6.0;   // [m]
+constexpr double kRangeNoise = 0.02;     // [m]
+constexpr double kRightDistance = 0.5;   // [m]
 constexpr double kRightAngle = 5.0 * std::numbers::pi / 180.0;
-constexpr double kSamePlace = 1.0;  // nearer than this a hypothesis is no other place [m]
+constexpr double kOwnPlace = 1.0;  // nearer than this a hypothesis is no other place [m]
 constexpr int kHeadings = 4;
 constexpr std::size_t kMaxLookAlikes = 20;
 
@@ -27,12 +27,12 @@ struct Lattice {
 
 /// No more places than allowed: the lattice grows until they are few enough.
 Lattice make_lattice(const VirtualLidar& lidar, const LocalizabilityParams& params) {
-  Lattice lattice{params.lattice_m, lidar.viewpoints(params.lattice_m, kClearance)};
+  Lattice lattice{params.lattice_m, lidar.viewpoints(params.lattice_m, kRobotClearance)};
   while (lattice.positions_map.size() > params.max_places) {
     const double excess =
         static_cast<double>(lattice.positions_map.size()) / static_cast<double>(params.max_places);
     lattice.spacing_m *= std::max(1.05, std::sqrt(excess));
-    lattice.positions_map = lidar.viewpoints(lattice.spacing_m, kClearance);
+    lattice.positions_map = lidar.viewpoints(lattice.spacing_m, kRobotClearance);
   }
   return lattice;
 }
@@ -66,7 +66,7 @@ RobotScan take_scan(const VirtualLidar& lidar, const VirtualRobot& robot,
 
 const RankedHypothesis* best_other(const Answer& answer, const Pose2& truth) {
   const auto other = std::ranges::find_if(answer.hypotheses, [&](const RankedHypothesis& ranked) {
-    return distance(ranked.T_map_base_link, truth) > kSamePlace;
+    return distance(ranked.T_map_base_link, truth) > kOwnPlace;
   });
   return other == answer.hypotheses.end() ? nullptr : &*other;
 }

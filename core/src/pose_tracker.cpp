@@ -29,8 +29,8 @@ constexpr double kApproach = 0.3;   // from here on a beam must have come throug
 constexpr double kMinKnown = 0.25;  // share of ends that the map must know to correct the pose
 constexpr double kMinFitShare = 0.35;
 constexpr double kMaxContradictedShare = 0.4;
-constexpr double kMinUsualShare = 0.6;  // of what fits otherwise
-constexpr double kUsualGain = 0.1;      // by which a scan changes what is usual
+constexpr double kMinUsualFit = 0.6;   // of what fits otherwise
+constexpr double kUsualFitGain = 0.1;  // by which a scan changes what is usual
 // What the map itself may be off by.
 const Eigen::Vector3d kMapVariance{4e-4, 4e-4, 1e-5};
 
@@ -105,9 +105,9 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   const double matched_of_mapped = fit.matched / std::max(0.2, 1.0 - fit.unmapped);
   const double usual = usual_fit_.value_or(matched_of_mapped);
   if (fit.matched * known_share < kMinFitShare || fit.contradicted > kMaxContradictedShare ||
-      matched_of_mapped < kMinUsualShare * usual)
+      matched_of_mapped < kMinUsualFit * usual)
     return TrackingVerdict::kMisfits;
-  usual_fit_ = usual + kUsualGain * (matched_of_mapped - usual);
+  usual_fit_ = usual + kUsualFitGain * (matched_of_mapped - usual);
   return TrackingVerdict::kFits;
 }
 

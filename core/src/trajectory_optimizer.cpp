@@ -18,10 +18,10 @@ namespace {
 
 // How lidar odometry drifts along the way.
 constexpr double kDriftPerMetre = 0.05;
-constexpr double kTurnPerMetre = 0.01;  // [rad/m]
-constexpr double kLeastDrift = 1.0;     // [m]
-constexpr double kLeastTurn = 0.2;      // [rad]
-constexpr double kClosedWay = 0.5;      // a loop closure drifts like as much way [m]
+constexpr double kTurnPerMetre = 0.01;   // [rad/m]
+constexpr double kLeastDrift = 1.0;      // [m]
+constexpr double kLeastDriftTurn = 0.2;  // [rad]
+constexpr double kClosedWay = 0.5;       // a loop closure drifts like as much way [m]
 
 constexpr std::size_t kOverlapping = 3;    // submaps before a submap that are no older place
 constexpr double kNeighborDistance = 4.0;  // ways nearer than this saw the same walls [m]
@@ -102,7 +102,7 @@ class SubmapPlacer {
       if (apart < kLeastDrift + kDriftPerMetre * ways[j] + submaps_[j].reach_m)
         way = std::max(way, ways[j]);
     }
-    return {kLeastDrift + kDriftPerMetre * way, kLeastTurn + kTurnPerMetre * way};
+    return {kLeastDrift + kDriftPerMetre * way, kLeastDriftTurn + kTurnPerMetre * way};
   }
 
   /// A place that the drift does not explain must be found twice in a row.

@@ -20,12 +20,12 @@ namespace cornerfix {
 namespace {
 
 constexpr std::size_t kMinInliers = 4;  // one more than give the transform
-constexpr int kMaxRefits = 20;
-constexpr std::size_t kMaxTests = 32;  // by then the test has long decided
-constexpr double kHopeless = -3.0;     // log-likelihood ratio at which a transform is given up
+constexpr int kMaxTransformRefits = 20;
+constexpr std::size_t kMaxTests = 32;    // by then the test has long decided
+constexpr double kHopelessRatio = -3.0;  // log-likelihood ratio at which a transform is given up
 // Matches nearer than this are one place.
-constexpr double kSamePlace = 1.0;    // [m]
-constexpr double kSameHeading = 0.2;  // [rad]
+constexpr double kSameTransform = 1.0;  // [m]
+constexpr double kSameHeading = 0.2;    // [rad]
 
 std::vector<Point2> positions(std::span<const Feature> features) {
   std::vector<Point2> points;
@@ -183,7 +183,7 @@ class TriangleIndex::Search {
       const bool hit = map_.grid.nearest(translation + rotation * point).has_value();
       log_ratio += hit ? log_hit_ : log_miss_;
       hits += hit ? 1 : 0;
-      if (log_ratio < kHopeless) return false;
+      if (log_ratio < kHopelessRatio) return false;
     }
     return hits > 0;
   }
@@ -191,7 +191,7 @@ class TriangleIndex::Search {
   /// Fits all inliers, then those of the fit, until that changes nothing.
   void verify(Pose2 T_map_submap) {
     std::vector<Correspondence> inliers;
-    for (int round = 0; round < kMaxRefits; ++round) {
+    for (int round = 0; round < kMaxTransformRefits; ++round) {
       inliers = inliers_of(T_map_submap);
       const std::optional<Pose2> fitted = fit_rigid(inliers);
       if (inliers.size() < kMinInliers || !fitted) return;
@@ -234,7 +234,7 @@ class TriangleIndex::Search {
 
   /// Compared where the submap lies, which may be far from its origin.
   [[nodiscard]] bool is_same_place(const Pose2& a, const Pose2& b) const {
-    return (a * submap_.front() - b * submap_.front()).norm() < kSamePlace &&
+    return (a * submap_.front() - b * submap_.front()).norm() < kSameTransform &&
            angle_between(a, b) < kSameHeading;
   }
 

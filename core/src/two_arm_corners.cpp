@@ -26,7 +26,7 @@ constexpr double kMaxBend = 0.015;
 constexpr double kMaxBendOfNoise = 12.0;  // [sigma^2]
 constexpr double kMinSine = 0.1;          // of the angle between two lines that fix a point
 constexpr double kPriorResiduals = 4.0;  // an arm's own count for more than the scan's noise beyond
-constexpr double kSamePlace = 0.2;       // corners nearer than this are one [m]
+constexpr double kSameCorner = 0.2;      // corners nearer than this are one [m]
 
 double cross(const Point2& a, const Point2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -366,7 +366,7 @@ class CornerFinder {
   /// A corner may be found twice: from two peaks, or on both sides of the seam.
   void keep_best(const Corner& corner, bool beyond_seam) {
     for (Corner& known : corners_) {
-      if (squared_distance(known.position, corner.position) > kSamePlace * kSamePlace) continue;
+      if (squared_distance(known.position, corner.position) > kSameCorner * kSameCorner) continue;
       if (corner.gain > known.gain) known = corner;
       return;
     }

@@ -7,16 +7,16 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kStep = 0.5;          // [m]
-constexpr double kClearance = 0.25;    // of the robot's middle from walls [m]
-constexpr double kRoomToTurnTo = 1.5;  // [m]
+constexpr double kStep = 0.5;             // [m]
+constexpr double kDriveClearance = 0.25;  // of the robot's middle from walls [m]
+constexpr double kRoomToTurnTo = 1.5;     // [m]
 constexpr double kTurnStep = std::numbers::pi / 6.0;
 
 /// Whether a robot gets `way_m` far ahead.
 bool is_free_ahead(const VirtualLidar& lidar, const Pose2& pose, double way_m) {
   constexpr double kCheckStep = 0.25;  // [m]
   for (double way = kCheckStep; way <= way_m; way += kCheckStep) {
-    if (lidar.clearance(pose * Point2(way, 0.0)) < kClearance) return false;
+    if (lidar.clearance(pose * Point2(way, 0.0)) < kDriveClearance) return false;
   }
   return true;
 }
