@@ -140,6 +140,7 @@ class Drive {
     const std::chrono::duration<double, std::milli> waited =
         std::chrono::steady_clock::now() - asked;
     record_.round_trip_ms.push_back(waited.count());
+    record_.reason = answer.reason;
     ++record_.scans;
     if (options_.sample) take_sample(answer, scan);
     return answer;

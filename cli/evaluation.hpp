@@ -56,6 +56,7 @@ struct StartRecord {
   std::size_t start = 0;  ///< Index of the first scan in the log.
   double near_m = 0.0;    ///< From the nearest mapping pose.
   Verdict verdict = Verdict::kNone;
+  Reason reason = Reason::kNone;  ///< Of the last answer: why there was no fix, if there was none.
   double driven_m = 0.0;
   std::optional<double> way_m;    ///< Until the fix.
   std::optional<double> seconds;  ///< Until the fix.

@@ -54,6 +54,7 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
   std::size_t fixed = 0;
   std::size_t wrong = 0;
   std::size_t none = 0;
+  nlohmann::ordered_json none_reasons = nlohmann::ordered_json::object();
   std::size_t within_1m = 0;
   std::size_t within_5m = 0;
   std::size_t right_after = 0;
@@ -85,6 +86,10 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
     ++inside;
     wrong += record.verdict == Verdict::kFalse ? 1 : 0;
     none += record.verdict == Verdict::kNone ? 1 : 0;
+    if (record.verdict == Verdict::kNone) {
+      nlohmann::ordered_json& count = none_reasons[std::string(to_string(record.reason))];
+      count = count.is_null() ? 1 : count.get<int>() + 1;
+    }
     if (record.verdict != Verdict::kFixed) continue;
     ++fixed;
     ways.push_back(*record.way_m);
@@ -122,6 +127,7 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
       {"fixed", fixed},
       {"false", wrong},
       {"none", none},
+      {"none_reasons", none_reasons},
       {"success", share(fixed)},
       {"success_1m", share(within_1m)},
       {"success_5m", share(within_5m)},
@@ -160,7 +166,10 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
       {"err", nlohmann::ordered_json::array()},
       {"driven", record.driven_m},
   };
-  if (record.verdict == Verdict::kNone) return json;
+  if (record.verdict == Verdict::kNone) {
+    json["reason"] = to_string(record.reason);
+    return json;
+  }
   json["err"].push_back({record.error_m, record.error_rad * kDegreesPerRadian});
   json["confidence"] = record.confidence;
   json["pose"] = pose_array(record.pose);
@@ -170,7 +179,7 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
 
 void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
   csv << "start,near_m,verdict,way_m,seconds,driven_m,confidence,error_m,error_rad,x,y,yaw,true_x,"
-         "true_y,true_yaw,scans,right_after,wrong_after\n";
+         "true_y,true_yaw,scans,right_after,wrong_after,reason\n";
   for (const StartRecord& record : records) {
     csv << record.start << ',' << record.near_m << ',' << to_string(record.verdict) << ',';
     if (record.way_m) csv << *record.way_m;
@@ -180,7 +189,8 @@ void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
         << record.error_rad;
     for (const Pose2& pose : {record.pose, record.truth})
       csv << ',' << pose.x << ',' << pose.y << ',' << pose.yaw;
-    csv << ',' << record.scans << ',' << record.right_after << ',' << record.wrong_after << '\n';
+    csv << ',' << record.scans << ',' << record.right_after << ',' << record.wrong_after << ','
+        << (record.verdict == Verdict::kNone ? to_string(record.reason) : "") << '\n';
   }
 }
 
