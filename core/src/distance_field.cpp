@@ -1,7 +1,8 @@
 #include <cornerfix/distance_field.hpp>
 
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+
+#include "wall_distance.hpp"
 
 namespace cornerfix {
 
@@ -15,26 +16,11 @@ DistanceField::DistanceField(const Pose2& T_frame_grid, double resolution, int w
 
 DistanceField::DistanceField(const OccupancyGrid& grid)
     : DistanceField(grid.T_map_grid, grid.resolution, grid.width, grid.height) {
-  if (steps_.empty()) return;
-  cv::Mat clear(height_, width_, CV_8U);
-  bool any_wall = false;
-  for (std::size_t i = 0; i < grid.cells.size(); ++i) {
-    const bool wall = grid.cells[i] == Cell::kOccupied;
-    clear.data[i] = wall ? 0 : 1;
-    any_wall = any_wall || wall;
-  }
-  if (!any_wall) return;  // the transform has nothing to measure from
-  cv::Mat distance_cells;
-  cv::distanceTransform(clear, distance_cells, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  const std::vector<float> distance_cells = distances_to_walls(grid);
   const float steps_per_cell = static_cast<float>(resolution_ / kStep);
-  for (int row = 0; row < height_; ++row) {
-    const float* source = distance_cells.ptr<float>(row);
-    std::uint8_t* target = &steps_[index(0, row)];
-    for (int column = 0; column < width_; ++column) {
-      target[column] =
-          static_cast<std::uint8_t>(std::min(255.0F, std::round(source[column] * steps_per_cell)));
-    }
-  }
+  std::ranges::transform(distance_cells, steps_.begin(), [&](float cells) {
+    return static_cast<std::uint8_t>(std::min(255.0F, std::round(cells * steps_per_cell)));
+  });
 }
 
 void DistanceField::stamp(const Point2& point_grid, double radius_m) {

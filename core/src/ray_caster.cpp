@@ -4,7 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <opencv2/imgproc.hpp>
+
+#include "wall_distance.hpp"
 
 namespace cornerfix {
 
@@ -26,20 +27,6 @@ double cells_to_grid_line(double position, double cell, double direction) {
   return kInfinity;
 }
 
-/// Distances between cell centres to the nearest occupied cell, in cells; infinite without any.
-std::vector<float> distances_in_cells(const OccupancyGrid& grid) {
-  std::vector<float> distances(grid.cells.size(), std::numeric_limits<float>::infinity());
-  if (std::find(grid.cells.begin(), grid.cells.end(), Cell::kOccupied) == grid.cells.end()) {
-    return distances;
-  }
-  cv::Mat passable(grid.height, grid.width, CV_8UC1);
-  std::transform(grid.cells.begin(), grid.cells.end(), passable.begin<std::uint8_t>(),
-                 [](Cell cell) { return cell == Cell::kOccupied ? 0 : 255; });
-  cv::Mat out(grid.height, grid.width, CV_32FC1, distances.data());
-  cv::distanceTransform(passable, out, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
-  return distances;
-}
-
 }  // namespace
 
 RayCaster::RayCaster(const OccupancyGrid& grid)
@@ -47,7 +34,7 @@ RayCaster::RayCaster(const OccupancyGrid& grid)
       resolution_(grid.resolution),
       width_(grid.width),
       height_(grid.height),
-      distance_m_(distances_in_cells(grid)) {
+      distance_m_(distances_to_walls(grid)) {
   for (float& distance : distance_m_) distance *= static_cast<float>(resolution_);
 }
 

@@ -36,11 +36,10 @@ class DistanceField {
   [[nodiscard]] Sample sample(const Point2& point_grid) const;
   /// At the nearest cell centre; kMaxDistance outside.
   [[nodiscard]] double nearest(const Point2& point_grid) const {
-    const int column = static_cast<int>(point_grid.x() * inverse_resolution_);
-    const int row = static_cast<int>(point_grid.y() * inverse_resolution_);
-    if (point_grid.x() < 0.0 || point_grid.y() < 0.0 || column >= width_ || row >= height_)
-      return kMaxDistance;
-    return kStep * static_cast<double>(steps_[index(column, row)]);
+    const double x = point_grid.x() * inverse_resolution_;
+    const double y = point_grid.y() * inverse_resolution_;
+    if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return kMaxDistance;
+    return kStep * static_cast<double>(steps_[index(static_cast<int>(x), static_cast<int>(y))]);
   }
 
   [[nodiscard]] const Pose2& T_grid_frame() const {

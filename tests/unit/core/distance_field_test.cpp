@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -65,6 +66,44 @@ TEST(DistanceField, MeasuresWhatBruteForceMeasures) {
         }
       }
     }
+  }
+}
+
+/// Wide maps are measured in parts: what lies on both sides of a seam is seen from either.
+TEST(DistanceField, MeasuresAWideGridAsItMeasuresItsParts) {
+  constexpr double kResolution = 0.1;
+  std::mt19937_64 random(5);
+  std::bernoulli_distribution is_wall(0.003);
+  OccupancyGrid wide = testing::unknown_grid({}, {900.0, 3.0}, kResolution);
+  for (Cell& cell : wide.cells) cell = is_wall(random) ? Cell::kOccupied : Cell::kFree;
+  for (int column = 2500; column < 3500; ++column) {
+    for (int row = 0; row < wide.height; ++row)
+      wide.cells[wide.offset({column, row})] = Cell::kFree;
+  }
+  const DistanceField field(wide);
+  for (const int first : {0, 1900, 2400, 4000, 6100, 8500}) {
+    const int columns = std::min(600, wide.width - first);
+    OccupancyGrid part = testing::unknown_grid({}, {kResolution * columns, 3.0}, kResolution);
+    for (int row = 0; row < part.height; ++row) {
+      for (int column = 0; column < columns; ++column)
+        part.cells[part.offset({column, row})] = wide.at({first + column, row});
+    }
+    const DistanceField expected(part);
+    for (int row = 0; row < part.height; ++row) {
+      for (int column = 30; column + 30 < columns; ++column) {
+        ASSERT_EQ(field.steps()[wide.offset({first + column, row})],
+                  expected.steps()[part.offset({column, row})])
+            << "column " << first + column << ", row " << row;
+      }
+    }
+  }
+}
+
+TEST(DistanceField, NearestIsFarHoweverFarOutside) {
+  const DistanceField field(random_grid(3));
+  for (const double far : {-1e-9, -3e9, 3e9, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(field.nearest({far, 0.5}), DistanceField::kMaxDistance) << far;
+    EXPECT_EQ(field.nearest({0.5, far}), DistanceField::kMaxDistance) << far;
   }
 }
 

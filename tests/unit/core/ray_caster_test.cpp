@@ -75,6 +75,24 @@ TEST(RayCaster, SeesASingleOccupiedCellFromAfar) {
   EXPECT_NEAR(RayCaster(grid).cast({1.0, 4.02}, 0.0, 30.0), 8.0, 1e-6);
 }
 
+TEST(RayCaster, SeesTheWallsOfAVeryWideGrid) {
+  OccupancyGrid grid;
+  grid.resolution = 0.05;
+  grid.width = 12'000;
+  grid.height = 40;
+  grid.cells.assign(480'000, Cell::kFree);
+  for (int column = 300; column < grid.width; column += 300) {
+    for (int row = 0; row < grid.height; ++row)
+      grid.cells[grid.offset({column, row})] = Cell::kOccupied;
+  }
+  const RayCaster caster(grid);
+  for (int column = 301; column < grid.width - 300; column += 300) {
+    const Point2 p{(column + 50) * grid.resolution, 1.0};
+    EXPECT_NEAR(caster.cast(p, 0.0, 30.0), 249 * grid.resolution, 1e-6) << "column " << column;
+    EXPECT_NEAR(caster.cast(p, kPi, 30.0), 50 * grid.resolution, 1e-6) << "column " << column;
+  }
+}
+
 TEST(RayCaster, PassesUnknownCells) {
   OccupancyGrid grid = box_room(0.1);
   for (Cell& cell : grid.cells) {
