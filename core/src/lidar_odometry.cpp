@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeastShift = 0.3;  // [m]
 constexpr double kLeastTurn = 0.2;   // [rad]
 constexpr double kShare = 0.5;       // of the motion
+constexpr double kFarthest = 10.0;  // No robot moves so far in a scan: its odometry began anew [m].
 constexpr double kClearlyBetter =
     0.05;  // by which constant velocity must beat it [share of points]
 
@@ -29,6 +30,7 @@ Pose2 LidarOdometry::process(const RobotScan& scan) {
   std::optional<Pose2> odometry;
   if (scan.T_odom_base_link && last_T_odom_base_link_)
     odometry = inverse(*last_T_odom_base_link_) * *scan.T_odom_base_link;
+  if (odometry && odometry->translation().norm() > kFarthest) odometry.reset();
   last_T_odom_base_link_ = scan.T_odom_base_link;
   Pose2 now_at = T_submap_base_link_ * odometry.value_or(last_motion_);
   if (!points.empty() && !submap_.empty()) {

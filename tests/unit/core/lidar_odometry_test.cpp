@@ -56,6 +56,30 @@ TEST(LidarOdometry, BearsAnOdometryThatStandsStillAndThenJumps) {
   EXPECT_THAT(poses.back(), IsPoseNear(expected(moments, moments.size() - 1), 0.15, 0.03));
 }
 
+/// A counter that began anew, or ran over: what it tells of that one step is no motion.
+TEST(LidarOdometry, BearsAnOdometryThatBeginsAnew) {
+  for (const double offset : {30.0, 800.0, 1e8}) {
+    std::vector<Moment> moments = moments_with({});
+    for (std::size_t i = 20; i < moments.size(); ++i)
+      moments[i].scan.T_odom_base_link =
+          Pose2{offset, -offset, 2.0} * *moments[i].scan.T_odom_base_link;
+    const std::vector<Pose2> poses = poses_of(moments);
+    EXPECT_THAT(poses[20], IsPoseNear(expected(moments, 20), 0.15, 0.03)) << offset;
+    EXPECT_THAT(poses.back(), IsPoseNear(expected(moments, moments.size() - 1), 0.15, 0.03))
+        << offset;
+  }
+}
+
+TEST(LidarOdometry, BearsRangesFarBeyondAnyBuilding) {
+  std::vector<Moment> moments = moments_with({});
+  for (Moment& moment : moments) {
+    moment.scan.scan.range_max = 3.4e38;
+    moment.scan.scan.ranges[90] = 3e9F;
+  }
+  EXPECT_THAT(poses_of(moments).back(),
+              IsPoseNear(expected(moments, moments.size() - 1), 0.15, 0.03));
+}
+
 TEST(LidarOdometry, FindsTheRightMountedLaser) {
   const std::vector<Moment> moments = moments_with({.T_base_link_laser = {0.3, -0.1, 0.5}});
   EXPECT_THAT(poses_of(moments).back(),
