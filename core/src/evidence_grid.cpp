@@ -51,7 +51,7 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
     if (range <= params_.max_range_m) {
       const Point2 end = start + (range * scale) * direction;
       if (CellCounts* cell = cell_at(end)) {
-        cell->ends = static_cast<std::int16_t>(cell->ends + sign);
+        cell->ends += sign;
         cell->sum_x += static_cast<float>(sign) * static_cast<float>(end.x() - std::floor(end.x()));
         cell->sum_y += static_cast<float>(sign) * static_cast<float>(end.y() - std::floor(end.y()));
         if (sign > 0) {
@@ -64,7 +64,7 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
     const double passed = std::min(range * scale - 1.5, params_.max_range_m * scale);
     for (double along = 0.5; along < passed; along += 1.0) {
       if (CellCounts* cell = cell_at(start + along * direction)) {
-        cell->passes = static_cast<std::int16_t>(std::clamp(cell->passes + sign, -32000, 32000));
+        cell->passes += sign;
       }
     }
   }

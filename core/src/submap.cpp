@@ -53,7 +53,7 @@ void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool rest
   kept_.push_back(std::move(kept));
 
   bool forgot = false;
-  while (way - kept_.front().way_m > params_.window_m) {
+  while (way - kept_.front().way_m > params_.window_m || kept_.size() > params_.max_scans) {
     const SubmapScan& old = kept_.front().scan;
     evidence_grid_.remove(old.scan, old.T_submap_base_link * old.T_base_link_laser);
     kept_.pop_front();

@@ -44,8 +44,8 @@ class EvidenceGrid {
 
  private:
   struct CellCounts {
-    std::int16_t ends = 0;
-    std::int16_t passes = 0;
+    std::int32_t ends = 0;
+    std::int32_t passes = 0;
     float sum_x = 0.0F;  ///< Of the ends, relative to the cell's corner [m].
     float sum_y = 0.0F;
     float origin_x = 0.0F;  ///< Of the last beam that ended here [m].

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <numbers>
+#include <random>
 
 #include <cornerfix/vfp_corners.hpp>
 
 #include "support/floor_plans.hpp"
 #include "support/matchers.hpp"
+#include "support/scan_simulator.hpp"
 #include "support/simulated_drive.hpp"
 
 namespace cornerfix {
@@ -186,6 +188,21 @@ TEST(Submap, ForgetsWhatLiesTooFarBack) {
   }
   EXPECT_LE(way, 3.0);
   EXPECT_GT(way, 2.0);
+}
+
+TEST(Submap, ForgetsTheOldestOfMoreScansThanItHolds) {
+  Submap submap({.max_scans = 30});
+  std::mt19937_64 random(4);
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 turned{0.0, 0.0, wrap_angle(0.3 * i)};
+    submap.keep({0,
+                 testing::simulate_scan(testing::figure7_room(), {.beams = 180},
+                                        Pose2{6.0, 5.0, 0.0} * turned, random),
+                 Pose2{}, turned},
+                {});
+  }
+  EXPECT_EQ(submap.size(), 30U);
+  EXPECT_EQ(submap.scans().front().index, 70U);
 }
 
 /// What has been forgotten is as if it had never been seen.
