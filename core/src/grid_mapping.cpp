@@ -60,6 +60,10 @@ std::vector<std::string> warnings_for(const OccupancyGrid& floor_map,
 }  // namespace
 
 Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams& params) {
+  if (floor_map.resolution < kFinestCell || floor_map.resolution > kCoarsestCell) {
+    return Error{ErrorCode::kInvalidArgument, "expected metres a cell from 0.001 to 100",
+                 "resolution"};
+  }
   if (!has_cell(floor_map, Cell::kFree)) {
     return Error{ErrorCode::kInvalidArgument, "the floor map has no free cell", "image"};
   }

@@ -67,6 +67,8 @@ Result<Pose2> parse_origin(const YAML::Node& node) {
     if (!value) return invalid(kExpected, "origin");
     values[i] = *value;
   }
+  if (std::max(std::abs(values[0]), std::abs(values[1])) > kFarthestOrigin)
+    return invalid("expected x and y within 1e8 m", "origin");
   return Pose2{values[0], values[1], wrap_angle(values[2])};
 }
 
@@ -98,7 +100,8 @@ Result<MapYaml> parse_map_yaml(const YAML::Node& root) {
 
   const Result<double> resolution = number(root["resolution"], "resolution", std::nullopt);
   if (!resolution) return resolution.error();
-  if (*resolution <= 0.0) return invalid("expected metres a cell above 0", "resolution");
+  if (*resolution < kFinestCell || *resolution > kCoarsestCell)
+    return invalid("expected metres a cell from 0.001 to 100", "resolution");
   out.resolution = *resolution;
 
   const Result<Pose2> origin = parse_origin(root["origin"]);

@@ -19,6 +19,11 @@ struct CellIndex {
   friend bool operator==(const CellIndex&, const CellIndex&) = default;
 };
 
+// What a grid that is read may have: cells of a millimetre to 100 m, an origin as far as poses.
+inline constexpr double kFinestCell = 1e-3;     ///< [m]
+inline constexpr double kCoarsestCell = 100.0;  ///< [m]
+inline constexpr double kFarthestOrigin = 1e8;  ///< [m]
+
 /// Row-major cells, row 0 at the lowest y. Frame `grid` has its origin at the lower left corner of
 /// cell (0, 0).
 struct OccupancyGrid {

@@ -166,6 +166,11 @@ TEST(MapImage, RefusesWhatIsBroken) {
       {"image: a\norigin: [0, 0, 0]\n", "resolution"},
       {"image: a\nresolution: 0\norigin: [0, 0, 0]\n", "resolution"},
       {"image: a\nresolution: .nan\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: 1e-9\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: 1e9\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: 1e307\norigin: [0, 0, 0]\n", "resolution"},
+      {"image: a\nresolution: 0.1\norigin: [1.7e308, 0, 0]\n", "origin"},
+      {"image: a\nresolution: 0.1\norigin: [0, -2e8, 0]\n", "origin"},
       {"image: a\nresolution: 0.1\n", "origin"},
       {"image: a\nresolution: 0.1\norigin: [0, 0]\n", "origin"},
       {"image: a\nresolution: 0.1\norigin: [0, 0, east]\n", "origin"},
@@ -259,7 +264,7 @@ TEST_F(MapFiles, NameTheFileAndTheWrongKey) {
   const auto grid = read_map_files(directory_ / "map.yaml");
   ASSERT_FALSE(grid.ok());
   EXPECT_EQ(grid.error().field, (directory_ / "map.yaml").string());
-  EXPECT_EQ(grid.error().message, "resolution: expected metres a cell above 0");
+  EXPECT_EQ(grid.error().message, "resolution: expected metres a cell from 0.001 to 100");
 }
 
 /// A room of 6 x 6 pixels whose walls have the given grey value, in unknown space.
