@@ -79,11 +79,13 @@ Reason Candidates::missing_without_rivals() const {
   const double gap = gap_without_rivals(kRivalMargin);
   if (gap <= 0.0) return Reason::kNoMatch;
   if (acceptable(gap)) return Reason::kNone;
+  const auto is_probable = [&](const EvidenceScore& score) {
+    return probability_right(score, gap) >= acceptance_.min_probability;
+  };
   EvidenceScore uncontradicted = best().score;
   uncontradicted.contradicted = 0.0;
-  return probability_right(uncontradicted, gap) >= acceptance_.min_probability
-             ? Reason::kContradicted
-             : Reason::kFewEvidence;
+  return !is_probable(best().score) && is_probable(uncontradicted) ? Reason::kContradicted
+                                                                   : Reason::kFewEvidence;
 }
 
 }  // namespace cornerfix

@@ -421,6 +421,14 @@ TEST(Localizer, TwinsAmongManyMapsGetNoFixInWhateverOrderTheyAreSearched) {
   }
 }
 
+TEST(Localizer, AGapThatIsTooSmallIsNoContradiction) {
+  LocalizerParams params = with(Method::kIndexed);
+  params.acceptance.min_gap = 1e6;
+  const std::vector<Answer> answers = answers_of({room_map(9)}, params, room_drive(9, 12));
+  EXPECT_EQ(count(answers, Status::kLocalized), 0U);
+  EXPECT_EQ(answers.back().reason, Reason::kFewEvidence);
+}
+
 TEST(Localizer, WithoutMapsIsCollecting) {
   for (const Method method : kMethods) {
     const std::vector<Answer> answers = answers_of({}, with(method), room_drive(1, 8));
