@@ -24,7 +24,8 @@ constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
 constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when there will be no fix now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
-constexpr double kSearchSlack = 0.05;  // by which a search may misjudge a place [nat]
+constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
+constexpr double kMirrorMargin = 0.05;  // by which what was seen must fit better than its image
 
 }  // namespace
 
@@ -159,6 +160,7 @@ void GlobalSearch::search(Maps maps, const View& view, Looks& looks) {
       best = std::max(best, place->mean_weight);
       candidates_.consider(*maps[map], view, {map, place->T_map_base_link, 0, 0, {}});
     }
+    if (look->places < Candidates::kMaxPlaces) least = std::max(least, look->run.bound());
     looked_down_to = std::max(looked_down_to, least);
   }
   rival_margin_ = std::min(kRivalMargin, best - looked_down_to);
@@ -215,13 +217,14 @@ bool GlobalSearch::mirror_image_fits_better(Maps maps, const View& view) const {
   const LocalizationMap& map = *maps[best.map];
   const View image = mirrored(view);
   const PlaceSearchParams search{
-      .min_mean_weight = optimistic_mean(maps, view, best) - kSearchSlack,
-      .max_mean_gap = kSearchSlack};
+      .min_mean_weight = optimistic_mean(maps, view, best) - kMirrorSlack,
+      .max_mean_gap = kMirrorSlack};
   return std::ranges::any_of(
       map.place_search().find(image.evidence.ends, image.way, search), [&](const Place& place) {
         const Pose2 T_map_base_link =
             refined_coarse_to_fine(map.field(), image.evidence.ends, place.T_map_base_link);
-        return score_evidence(map.classes(), image.evidence, T_map_base_link).fit >= best.score.fit;
+        return score_evidence(map.classes(), image.evidence, T_map_base_link).fit >=
+               best.score.fit - kMirrorMargin * best.score.ends;
       });
 }
 

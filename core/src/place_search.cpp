@@ -76,6 +76,7 @@ struct Points {
     if (ends.empty()) return;
     center_base_link = mean(ends);
     const double reach = (kBorder - 2) * cell_m;
+    if (center_base_link.norm() > reach) ends.clear();  // the robot would be off the field
     for (std::vector<Point2>* part : {&ends, &way}) {
       for (Point2& p : *part) p -= center_base_link;
       std::erase_if(*part, [reach](const Point2& p) { return p.norm() > reach; });
@@ -121,8 +122,8 @@ struct Turned {
 /// A block of poses, or one: where the centre is, in cells of the padded field, and the heading.
 struct Node {
   std::int32_t bound = 0;  ///< No pose in the block scores more.
-  std::int16_t x = 0;
-  std::int16_t y = 0;
+  std::int32_t x = 0;
+  std::int32_t y = 0;
   std::uint8_t rotation = 0;
   bool is_block = false;
 };
@@ -250,17 +251,18 @@ void PlaceSearch::Run::State::open_blocks(int threshold) {
   std::size_t count = 0;
   std::vector<Node> blocks;
   for (std::size_t i = 0; i < turned.size(); ++i) {
-    blocks.clear();
+    const std::size_t before = blocks.size();
     collect_blocks(static_cast<int>(i * kHeadingStride % kRotations), opened_down_to, below,
                    blocks);
-    for (const Node& block : blocks) {
-      open.push(block);
+    for (const Node& block : std::span(blocks).subspan(before))
       ++count_by_bound[static_cast<std::size_t>(block.bound)];
-    }
-    count += blocks.size();
+    count += blocks.size() - before;
     const std::size_t enough = kEnoughBlocks * (i + kHeadStart) / kRotations;
     const auto lowest = [&] { return count_by_bound[static_cast<std::size_t>(opened_down_to)]; };
     for (; count - lowest() >= enough; ++opened_down_to) count -= lowest();
+  }
+  for (const Node& block : blocks) {
+    if (block.bound >= opened_down_to) open.push(block);
   }
 }
 
@@ -297,10 +299,9 @@ void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
       if (!sum_strip(steps, robot, kWayFree, at, sums)) continue;
       for (std::size_t i = 0; i < count; ++i) {
         if (robot[at + i] == kWayFree && sums[i] >= least && sums[i] < below)
-          blocks.push_back(
-              {sums[i], static_cast<std::int16_t>(kBorder + static_cast<int>(column + i) * kBlock),
-               static_cast<std::int16_t>(kBorder + static_cast<int>(row) * kBlock),
-               static_cast<std::uint8_t>(rotation), true});
+          blocks.push_back({sums[i], kBorder + static_cast<int>(column + i) * kBlock,
+                            kBorder + static_cast<int>(row) * kBlock,
+                            static_cast<std::uint8_t>(rotation), true});
       }
     }
   }
@@ -326,8 +327,7 @@ void PlaceSearch::Run::State::expand(Node block, int threshold) {
     const int y = block.y + cell / 2;
     if (x < kBorder + fields.inner_width && y < kBorder + fields.inner_height &&
         fields.way.cell(x + here.robot.x, y + here.robot.y) == kWayFree)
-      open.push({sums[cell], static_cast<std::int16_t>(x), static_cast<std::int16_t>(y),
-                 block.rotation, false});
+      open.push({sums[cell], x, y, block.rotation, false});
   }
 }
 
@@ -354,6 +354,10 @@ std::optional<Place> PlaceSearch::Run::next(double min_mean_weight) {
   state_->found.push_back(state_->pose_of(*node));
   return Place{state_->fields.T_map_grid * state_->found.back(),
                state_->points.mean_of(node->bound)};
+}
+
+double PlaceSearch::Run::bound() const {
+  return state_->points.mean_of(std::max(state_->open.top(), state_->opened_down_to - 1));
 }
 
 PlaceSearch::PlaceSearch(const ClassField& classes)

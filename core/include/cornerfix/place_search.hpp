@@ -82,8 +82,10 @@ class PlaceSearch::Run {
   Run(Run&&) noexcept;
 
   /// The best place that was not given yet, or nothing when none has at least this mean weight
-  /// [nat].
+  /// [nat] or the work is as much as it may be.
   [[nodiscard]] std::optional<Place> next(double min_mean_weight);
+  /// No place that was not given yet has a higher mean weight [nat].
+  [[nodiscard]] double bound() const;
 
  private:
   struct State;

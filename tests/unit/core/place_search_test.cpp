@@ -299,6 +299,37 @@ TEST(PlaceSearch, PointsTooFarAwayAreLeftOut) {
   EXPECT_TRUE(search.find(std::vector<Point2>{{1e7, 0.0}, {-1e7, 0.0}}, kHere, {}).empty());
 }
 
+/// A lidar mounted far from base_link: where the robot would be cannot be looked up.
+TEST(PlaceSearch, EndsTooFarFromTheRobotHaveNoPlace) {
+  for (const double resolution : {0.05, 0.134}) {
+    const PlaceSearch search(room_classes(resolution));
+    for (const double offset : {22.0, 31.0, 33.0, 500.0, 1e8}) {
+      std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
+      for (Point2& end : ends) end += Point2{0.0, offset};
+      for (const Place& place : search.find(ends, kHere, {.min_mean_weight = -1.2}))
+        EXPECT_TRUE(std::isfinite(place.T_map_base_link.x));
+      EXPECT_TRUE(std::isfinite(search.mean_weight(ends, kHere, 100, {6.0, 5.0, 0.4})));
+    }
+  }
+}
+
+TEST(PlaceSearch, ASpentBudgetTellsWhatMayBeLeft) {
+  const PlaceSearch search(room_classes());
+  const std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
+  const auto places_of = [](PlaceSearch::Run& run, double least) {
+    std::vector<Place> places;
+    while (const std::optional<Place> place = run.next(least)) places.push_back(*place);
+    return places;
+  };
+  PlaceSearch::Run whole(search, ends, kHere, {});
+  PlaceSearch::Run spent(search, ends, kHere, {.max_expansions = 50});
+  const std::vector<Place> all = places_of(whole, 0.0);
+  const std::vector<Place> some = places_of(spent, 0.0);
+  ASSERT_LT(some.size(), all.size());
+  EXPECT_GE(spent.bound(), all[some.size()].mean_weight - 1e-9);
+  EXPECT_LT(whole.bound(), 0.0);
+}
+
 /// A long corridor seen from its end: the points reach to the border of what the search can lay.
 TEST(PlaceSearch, FarPointsWithinReachAreFound) {
   const SceneBuilder scene = SceneBuilder()
