@@ -26,6 +26,15 @@ constexpr std::size_t kMaxStampsTold = 20;
 /// Whether another process came in between, so that trying again on its result makes sense.
 bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
 
+template <typename Change>
+auto retrying(Change change) {
+  for (int attempt = 1;; ++attempt) {
+    auto result = change();
+    if (result || attempt == kMaxRevisionAttempts || !is_worth_another_try(result.error()))
+      return result;
+  }
+}
+
 /// The box around a grid, however it is turned.
 Bounds bounds_of(const OccupancyGrid& grid) {
   const Point2 first = grid.T_map_grid.translation();
@@ -51,6 +60,28 @@ void set_bounds(MapInfo& info, const Bounds& bounds) {
   info.max_y = bounds.max.y();
 }
 
+storage::MapOutline outline_of(std::size_t features, const Bounds& bounds) {
+  return {.feature_count = features,
+          .min_x = bounds.min.x(),
+          .min_y = bounds.min.y(),
+          .max_x = bounds.max.x(),
+          .max_y = bounds.max.y()};
+}
+
+storage::MapOutline outline_of(const Mapper& mapper) {
+  return outline_of(mapper.feature_count(), mapper.bounds().value_or(Bounds{}));
+}
+
+/// A mapper that holds these key frames, or why its grid could not.
+Result<Mapper> mapper_of(std::vector<PosedScan> key_frames, const MapperParams& params) {
+  Mapper mapper(params);
+  for (PosedScan& key_frame : key_frames) {
+    if (auto error = mapper.reject(key_frame)) return std::move(*error);
+    mapper.add(std::move(key_frame));
+  }
+  return mapper;
+}
+
 /// What is derived for the entry of an archive's map.
 Result<MapInfo> describe(const storage::MapArchive& archive) {
   const MapperParams params = api::mapper_params_from_json(archive.parameters_json);
@@ -62,13 +93,10 @@ Result<MapInfo> describe(const storage::MapArchive& archive) {
     set_bounds(info, bounds_of(made->content.grid));
     return info;
   }
-  Mapper mapper(params);
-  for (const PosedScan& key_frame : archive.key_frames) {
-    if (const auto error = mapper.reject(key_frame)) return bad_archive(error->message);
-    mapper.add(key_frame);
-  }
-  info.feature_count = mapper.feature_count();
-  if (mapper.bounds()) set_bounds(info, *mapper.bounds());
+  const auto mapper = mapper_of(archive.key_frames, params);
+  if (!mapper) return bad_archive(mapper.error().message);
+  info.feature_count = mapper->feature_count();
+  if (mapper->bounds()) set_bounds(info, *mapper->bounds());
   return info;
 }
 
@@ -137,18 +165,27 @@ PosedScan posed_by(LidarOdometry& odometry, const RobotScan& scan) {
   return {scan.scan, scan.T_base_link_laser, odometry.process(scan)};
 }
 
+std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
+                                std::vector<PosedScan> key_frames) {
+  for (std::size_t i = 0; i < key_frames.size(); ++i) {
+    key_frames[i].T_map_base_link = T_map_base_link[i];
+  }
+  return key_frames;
+}
+
+/// That a map cannot be made of what is stored, so that the asker can do nothing about it but
+/// change the map.
+Error too_large_now(const Error& error) { return {ErrorCode::kConflict, error.message, ""}; }
+
 /// What the key frames of a drive show once its drift has been taken away.
 Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParams& params,
                                        const MapLibrary::Progress& progress) {
   const auto optimized = optimize_trajectory(drifting.key_frames(), progress);
   if (!optimized) return optimized.error();
-  Mapper mapper(params);
-  for (std::size_t i = 0; i < drifting.key_frames().size(); ++i) {
-    PosedScan key_frame = drifting.key_frames()[i];
-    key_frame.T_map_base_link = optimized->T_map_base_link[i];
-    mapper.add(std::move(key_frame));
-  }
-  return mapper.build();
+  const auto mapper =
+      mapper_of(moved_to(optimized->T_map_base_link, drifting.key_frames()), params);
+  if (!mapper) return too_large_now(mapper.error());
+  return mapper->build();
 }
 
 /// An error in a floor map, as one in the form that it came in.
@@ -263,21 +300,11 @@ Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {
-  return grow_retrying(name, scans);
+  return retrying([&] { return grow_once(name, scans); });
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans) {
-  return grow_retrying(name, scans);
-}
-
-template <typename Scan>
-Result<MapGrowthReport> MapLibrary::grow_retrying(std::string_view name,
-                                                  std::span<const Scan> scans) {
-  for (int attempt = 1;; ++attempt) {
-    auto report = grow_once(name, scans);
-    if (report || attempt == kMaxRevisionAttempts || !is_worth_another_try(report.error()))
-      return report;
-  }
+  return retrying([&] { return grow_once(name, scans); });
 }
 
 template <typename Scan>
@@ -355,19 +382,26 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
 
 Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
                                            std::span<const api::StampedPose> poses) {
-  const auto found = find(name);
+  return retrying([&] { return set_trajectory_once(name, poses); });
+}
+
+Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
+                                                std::span<const api::StampedPose> poses) {
+  auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
-  return stores_->with_maps([&](MapStore& maps) -> Result<MapInfo> {
-    const auto current = maps.find(name);
-    if (!current) return current.error();
-    if (current->has_floor_map) return no_key_frames();
-    const auto key_frames = maps.key_frames(current->id);
-    if (!key_frames) return key_frames.error();
-    const auto moved = poses_of(*key_frames, poses);
-    if (!moved) return moved.error();
-    return maps.move_key_frames(current->id, current->revision, *moved, now_());
+  found = find(name);  // The change before this one may just have come.
+  if (!found) return found.error();
+  if (found->has_floor_map) return no_key_frames();
+  auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(found->id); });
+  if (!key_frames) return key_frames.error();
+  const auto moved = poses_of(*key_frames, poses);
+  if (!moved) return moved.error();
+  const auto mapper = mapper_of(moved_to(*moved, std::move(*key_frames)), mapper_params(*found));
+  if (!mapper) return Error{ErrorCode::kInvalidArgument, mapper.error().message, "/poses"};
+  return stores_->with_maps([&](MapStore& maps) {
+    return maps.move_key_frames(found->id, found->revision, *moved, outline_of(*mapper), now_());
   });
 }
 
@@ -488,9 +522,9 @@ Result<void> MapLibrary::rebuild(GrowingMap& growing, const MapInfo& info) {
   growing.forget();
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
   if (!key_frames) return key_frames.error();
-  Mapper mapper(mapper_params(info));
-  for (PosedScan& key_frame : *key_frames) mapper.add(std::move(key_frame));
-  growing.mapper = std::move(mapper);
+  auto mapper = mapper_of(std::move(*key_frames), mapper_params(info));
+  if (!mapper) return too_large_now(mapper.error());
+  growing.mapper = std::move(*mapper);
   growing.revision = info.revision;
   return {};
 }

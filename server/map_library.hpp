@@ -101,7 +101,8 @@ class MapLibrary {
   [[nodiscard]] Result<OccupancyGrid> grid(const storage::MapInfo& info);
 
   /// Moves every key frame to the pose of its stamp (nearest within 1 ms). kInvalidArgument, with
-  /// the stamps that are missing, when some have none.
+  /// the stamps that are missing, when some have none, and when the map would spread beyond what
+  /// its grid can hold.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
                                                         std::span<const api::StampedPose> poses);
 
@@ -128,11 +129,10 @@ class MapLibrary {
   [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
   /// Either kind of scans.
   template <typename Scan>
-  [[nodiscard]] Result<MapGrowthReport> grow_retrying(std::string_view name,
-                                                      std::span<const Scan> scans);
-  template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
                                                   std::span<const Scan> scans);
+  [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
+      std::string_view name, std::span<const api::StampedPose> poses);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);

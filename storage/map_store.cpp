@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 #include "storage/blob_codec.hpp"
@@ -191,28 +190,14 @@ Result<std::vector<PosedScan>> read_key_frames(Database& database, const MapInfo
   return key_frames;
 }
 
-/// The box around all lasers and their returns.
-void set_bounds(MapInfo& info, std::span<const PosedScan> key_frames) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Point2 low(kInfinity, kInfinity);
-  Point2 high = -low;
-  const auto include = [&](const Point2& point_map) {
-    low = low.cwiseMin(point_map);
-    high = high.cwiseMax(point_map);
-  };
-  for (const PosedScan& key_frame : key_frames) {
-    const Pose2 T_map_laser = key_frame.T_map_base_link * key_frame.T_base_link_laser;
-    include(T_map_laser.translation());
-    for (const Point2& point_laser : returns_as_points(key_frame.scan)) {
-      include(T_map_laser * point_laser);
-    }
-  }
-  info.has_bounds = !key_frames.empty();
-  if (!info.has_bounds) return;
-  info.min_x = low.x();
-  info.min_y = low.y();
-  info.max_x = high.x();
-  info.max_y = high.y();
+/// For a map that has content.
+void set_outline(MapInfo& info, const MapOutline& outline) {
+  info.feature_count = outline.feature_count;
+  info.has_bounds = true;
+  info.min_x = outline.min_x;
+  info.min_y = outline.min_y;
+  info.max_x = outline.max_x;
+  info.max_y = outline.max_y;
 }
 
 Result<MapContent> decode_content(BlobView features, BlobView descriptors, BlobView grid) {
@@ -451,7 +436,7 @@ Result<OccupancyGrid> MapStore::floor_map(std::int64_t map_id) {
 
 Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t expected_revision,
                                           std::span<const Pose2> T_map_base_link,
-                                          std::string_view now) {
+                                          const MapOutline& outline, std::string_view now) {
   return guarded([&]() -> Result<MapInfo> {
     WriteTransaction transaction(*database_);
     Result<MapRow> map = find_at_revision(*database_, map_id, expected_revision);
@@ -471,7 +456,7 @@ Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t exp
     rewrite_key_frames(*database_, *map, *key_frames);
     const bool drifted = std::exchange(map->info.drifts, false);
     if (!drifted && map->chain == chain_before) return std::move(map->info);  // Nothing has moved.
-    set_bounds(map->info, *key_frames);
+    if (!key_frames->empty()) set_outline(map->info, outline);
     map->info.updated = now;
     seal_revision(*map);
     update_map(*database_, *map);

@@ -185,10 +185,12 @@ TEST_F(MapLibraryTest, StoresWhatItMadeForOthers) {
 TEST_F(MapLibraryTest, MovesKeyFramesToATrajectory) {
   make_map(process_, "office");
   const auto before = *maps_.load("office");
+  const double max_x_before = maps_.find("office")->max_x;
   const Pose2 T{3.0, -1.0, 0.0};
   const auto moved = maps_.set_trajectory("office", trajectory(T));
   ASSERT_TRUE(moved) << moved.error().message;
   EXPECT_GT(moved->revision, before->revision());
+  EXPECT_NEAR(moved->max_x, max_x_before + 3.0, 1e-9);
   const auto after = *maps_.load("office");
   ASSERT_EQ(after->features().size(), before->features().size());
   EXPECT_NEAR(after->features()[0].position.x(), before->features()[0].position.x() + 3.0, 1e-6);
@@ -208,6 +210,33 @@ TEST_F(MapLibraryTest, RefusesATrajectoryWithGaps) {
   EXPECT_THAT(refused.error().message, HasSubstr("102.000"));
   EXPECT_EQ(maps_.find("office")->digest, before.digest);
   EXPECT_EQ(maps_.find("office")->revision, before.revision);
+}
+
+TEST_F(MapLibraryTest, RefusesATrajectoryBeyondWhatAGridCanHold) {
+  make_map(process_, "office");
+  const auto before = *maps_.find("office");
+  auto poses = trajectory({});
+  for (auto pose = poses.end() - 20; pose != poses.end(); ++pose) {
+    pose->T_map_base_link.x = pose->T_map_base_link.y = 20'000.0;
+  }
+  const auto refused = maps_.set_trajectory("office", poses);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/poses");
+  EXPECT_THAT(refused.error().message, HasSubstr("more than its grid can hold"));
+  EXPECT_EQ(maps_.find("office")->revision, before.revision);
+  EXPECT_TRUE(maps_.load("office"));
+}
+
+TEST_F(MapLibraryTest, TellsTheFeaturesOfAMovedMapAtOnce) {
+  make_map(process_, "office");
+  auto poses = trajectory({});
+  for (std::size_t i = 0; i < poses.size(); i += 2) poses[i].T_map_base_link.x += 0.5;
+  const auto moved = maps_.set_trajectory("office", poses);
+  ASSERT_TRUE(moved);
+  const auto map = *maps_.load("office");
+  EXPECT_EQ(moved->feature_count, map->features().size());
+  EXPECT_EQ(maps_.find("office")->feature_count, map->features().size());
 }
 
 TEST_F(MapLibraryTest, TakesStampsWithinAMillisecond) {
