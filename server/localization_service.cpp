@@ -1,5 +1,7 @@
 #include "server/localization_service.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <atomic>
 #include <iterator>
@@ -71,6 +73,12 @@ ProcessedBatch process(Localizer& localizer, Status status, std::span<const Robo
   }
   batch.answer.times = times;
   return batch;
+}
+
+/// Whether a map could not be loaded for what it is, not because of something that may pass.
+bool is_of_the_map(const Error& error) {
+  return error.code == ErrorCode::kConflict || error.code == ErrorCode::kCorruptData ||
+         error.code == ErrorCode::kNotFound;
 }
 
 Error no_such_session(const std::string& id) {
@@ -399,6 +407,11 @@ Result<void> LocalizationService::use_current_maps(Session& session) {
   for (const MapInfo& info : *infos) {
     if (!info.has_bounds) continue;  // Nothing in it yet.
     auto map = maps_->load(info);
+    if (!map && session.record.maps.empty() && is_of_the_map(map.error())) {
+      spdlog::warn("session {} looks in every map but {}: {}", session.record.id, info.name,
+                   map.error().message);
+      continue;
+    }
     if (!map) return map.error();
     maps.push_back(std::move(*map));
     ids.push_back(info.id);

@@ -83,6 +83,24 @@ TEST_F(LocalizationServiceTest, TakesANewMapInWhenItSearchesAll) {
   EXPECT_THAT(last, HasSubstr("localized in office"));
 }
 
+TEST_F(LocalizationServiceTest, LeavesOutAMapThatCannotBeLoadedWhenItSearchesAll) {
+  make_map(process_, "broken");
+  const auto broken = *process_.maps->find("broken");
+  std::vector<Pose2> poses(broken.key_frame_count);
+  poses.back() = {20'000.0, 20'000.0, 0.0};
+  ASSERT_TRUE(process_.stores->with_maps([&](storage::MapStore& maps) {
+    return maps.move_key_frames(broken.id, broken.revision, poses, {}, kNow);
+  }));
+  ASSERT_EQ(process_.maps->load("broken").error().code, ErrorCode::kConflict);
+  const std::string id = create(process_, {});
+  std::string last;
+  for (std::uint64_t i = 0; i < 10; ++i) last = answer(process_, id, batch(i));
+  EXPECT_THAT(last, HasSubstr("localized in office"));
+
+  const std::string named = create(process_, {"office", "broken"});
+  EXPECT_EQ(service_.post_scans(named, batch(0)).error().code, ErrorCode::kConflict);
+}
+
 TEST_F(LocalizationServiceTest, KnowsNoMapOrSessionThatIsNotThere) {
   api::CreateSessionRequest request;
   request.robot = "cart-7";
