@@ -119,8 +119,11 @@ class MapRoutes {
   }
 
   Response remove(const Request& request) {
-    const auto removed = maps().remove(request.captures[0]);
+    const auto info = maps().find(request.captures[0]);
+    if (!info) return error_response(request, info.error());
+    const auto removed = maps().remove(info->name);
     if (!removed) return error_response(request, removed.error());
+    services_.reports->forget(info->id);
     return Response{.status = 204};
   }
 
