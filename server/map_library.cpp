@@ -60,7 +60,7 @@ void set_bounds(MapInfo& info, const Bounds& bounds) {
   info.max_y = bounds.max.y();
 }
 
-storage::MapOutline outline_of(std::size_t features, const Bounds& bounds) {
+storage::MapOutline outline_from(std::size_t features, const Bounds& bounds) {
   return {.feature_count = features,
           .min_x = bounds.min.x(),
           .min_y = bounds.min.y(),
@@ -68,8 +68,8 @@ storage::MapOutline outline_of(std::size_t features, const Bounds& bounds) {
           .max_y = bounds.max.y()};
 }
 
-storage::MapOutline outline_of(const Mapper& mapper) {
-  return outline_of(mapper.feature_count(), mapper.bounds().value_or(Bounds{}));
+storage::MapOutline outline_from(const Mapper& mapper) {
+  return outline_from(mapper.feature_count(), mapper.bounds().value_or(Bounds{}));
 }
 
 /// A mapper that holds these key frames, or why its grid could not.
@@ -276,9 +276,51 @@ Result<MapInfo> MapLibrary::find(std::string_view name) {
 }
 
 Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request) {
+  return retrying([&] { return put_once(name, request); });
+}
+
+Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request) {
+  if (!request.parameters_json) return store_entry(name, request);
+  auto found = find(name);
+  if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+  if (!found) return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+  const auto growing = this->growing(found->id);
+  const std::lock_guard lock(growing->mutex);
+  found = find(name);  // The change before this one may just have come.
+  if (!found) return found.error();
+  const auto merged = api::merged_parameters(found->parameters_json, *request.parameters_json);
+  if (!merged) return merged.error();
+  MapInfo remade = *found;
+  remade.parameters_json = *merged;
+  const auto outline = outline_of(remade);
+  if (!outline) return outline.error();
+  return store_entry(name, {request.description, request.lidar_json, *merged},
+                     storage::MapRemake{.expected_revision = found->revision, .outline = *outline});
+}
+
+Result<bool> MapLibrary::store_entry(std::string_view name, const api::PutMapRequest& request,
+                                     const std::optional<storage::MapRemake>& remake) {
   return stores_->with_maps([&](MapStore& maps) {
-    return maps.put(name, request.description, request.lidar_json, request.parameters_json, now_());
+    return maps.put(name, request.description, request.lidar_json, request.parameters_json, now_(),
+                    remake);
   });
+}
+
+/// Of what is made of the map's source with the parameters in `info`.
+Result<storage::MapOutline> MapLibrary::outline_of(const MapInfo& info) {
+  if (info.has_floor_map) {
+    const auto content = content_of_floor_map(info);
+    if (!content) return content.error();
+    return outline_from(content->features.size(), bounds_of(content->grid));
+  }
+  auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
+  if (!key_frames) return key_frames.error();
+  const auto mapper = mapper_of(std::move(*key_frames), mapper_params(info));
+  if (!mapper) {
+    return Error{ErrorCode::kInvalidArgument, mapper.error().message,
+                 "/parameters/grid/resolution_m"};
+  }
+  return outline_from(*mapper);
 }
 
 Result<void> MapLibrary::remove(std::string_view name) {
@@ -401,7 +443,7 @@ Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
   const auto mapper = mapper_of(moved_to(*moved, std::move(*key_frames)), mapper_params(*found));
   if (!mapper) return Error{ErrorCode::kInvalidArgument, mapper.error().message, "/poses"};
   return stores_->with_maps([&](MapStore& maps) {
-    return maps.move_key_frames(found->id, found->revision, *moved, outline_of(*mapper), now_());
+    return maps.move_key_frames(found->id, found->revision, *moved, outline_from(*mapper), now_());
   });
 }
 

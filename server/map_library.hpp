@@ -66,7 +66,8 @@ class MapLibrary {
   [[nodiscard]] Result<std::vector<storage::MapInfo>> list(std::string_view after,
                                                            std::size_t limit);
   [[nodiscard]] Result<storage::MapInfo> find(std::string_view name);
-  /// True when the map was created.
+  /// True when the map was created. Parameters join those that the map has; kInvalidArgument when
+  /// its grid would become too large with them.
   [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
   [[nodiscard]] Result<void> remove(std::string_view name);
 
@@ -131,6 +132,10 @@ class MapLibrary {
   template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
                                                   std::span<const Scan> scans);
+  [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
+  [[nodiscard]] Result<bool> store_entry(std::string_view name, const api::PutMapRequest& request,
+                                         const std::optional<storage::MapRemake>& remake = {});
+  [[nodiscard]] Result<storage::MapOutline> outline_of(const storage::MapInfo& info);
   [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
       std::string_view name, std::span<const api::StampedPose> poses);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,

@@ -72,16 +72,18 @@ Error unknown_map(std::string_view name) {
 
 Error deleted_map() { return Error{ErrorCode::kNotFound, "the map has been deleted", "map"}; }
 
+Error other_revision(std::uint64_t revision, std::uint64_t expected) {
+  return Error{ErrorCode::kConflict,
+               "the map is at revision " + std::to_string(revision) + ", expected " +
+                   std::to_string(expected),
+               "revision"};
+}
+
 /// The map if it is still at `revision`.
 Result<MapRow> find_at_revision(Database& database, std::int64_t id, std::uint64_t revision) {
   std::optional<MapRow> map = find_map(database, id);
   if (!map) return deleted_map();
-  if (map->info.revision != revision) {
-    return Error{ErrorCode::kConflict,
-                 "the map is at revision " + std::to_string(map->info.revision) + ", expected " +
-                     std::to_string(revision),
-                 "revision"};
-  }
+  if (map->info.revision != revision) return other_revision(map->info.revision, revision);
   return std::move(*map);
 }
 
@@ -242,11 +244,15 @@ Result<MapInfo> MapStore::find(std::string_view name) {
 
 Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view> description,
                            std::optional<std::string_view> lidar_json,
-                           std::optional<std::string_view> parameters_json, std::string_view now) {
+                           std::optional<std::string_view> parameters_json, std::string_view now,
+                           const std::optional<MapRemake>& remake) {
   return guarded([&]() -> Result<bool> {
     WriteTransaction transaction(*database_);
     std::optional<MapRow> stored = find_map(*database_, name);
     MapRow map = stored.value_or(MapRow{});
+    if (remake && remake->expected_revision != map.info.revision)
+      return other_revision(map.info.revision, remake->expected_revision);
+    if (remake && map.info.has_bounds) set_outline(map.info, remake->outline);
     map.info.name = name;
     const bool described = replace(map.info.description, description);
     const bool other_lidar = replace(map.info.lidar_json, lidar_json);

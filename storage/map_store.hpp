@@ -50,6 +50,12 @@ struct MapOutline {
   double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds [m].
 };
 
+/// What other parameters make of a map, worked out from its content.
+struct MapRemake {
+  std::uint64_t expected_revision = 0;  ///< Of that content; 0: there is no such map.
+  MapOutline outline{};                 ///< Of no meaning for a map without content.
+};
+
 /// What POST …/scans adds in one transaction.
 struct MapGrowth {
   std::span<const double> stamps;  ///< Of all accepted scans, key frames or not: for `duplicates`.
@@ -84,11 +90,13 @@ class MapStore {
   [[nodiscard]] Result<MapInfo> find(std::string_view name);  ///< kNotFound.
 
   /// Creates (true) or describes (false) a map. Parts that are nullopt stay as they are.
-  /// A description alone does not change the revision; lidar and parameters do.
+  /// A description alone does not change the revision; lidar and parameters do. kConflict when
+  /// the map is not at the revision of `remake`.
   [[nodiscard]] Result<bool> put(std::string_view name, std::optional<std::string_view> description,
                                  std::optional<std::string_view> lidar_json,
                                  std::optional<std::string_view> parameters_json,
-                                 std::string_view now);
+                                 std::string_view now,
+                                 const std::optional<MapRemake>& remake = std::nullopt);
   [[nodiscard]] Result<void> remove(std::string_view name);
 
   /// Which of `stamps` the map already holds, same order.

@@ -94,7 +94,7 @@ TEST_F(GridApiTest, IsMadeAnewAfterARestartAndWithOtherParameters) {
   const Json before = client_.get("/v1/maps/plan/features").json();
   client_.put("/v1/maps/plan", {{"parameters", {{"min_feature_count", 1000}}}});
   EXPECT_THAT(client_.get("/v1/maps/plan/features").json()["features"], IsEmpty());
-  client_.put("/v1/maps/plan", {{"parameters", Json::object()}});
+  client_.put("/v1/maps/plan", {{"parameters", {{"min_feature_count", 2}}}});
   EXPECT_EQ(client_.get("/v1/maps/plan/features").json()["features"], before["features"]);
 }
 

@@ -126,6 +126,28 @@ TEST_F(MapStoreTest, GivesANewRevisionToOtherParametersOrAnotherLidar) {
   EXPECT_EQ(store_.find("office")->revision, before.revision + 2);
 }
 
+TEST_F(MapStoreTest, OutlinesAMapWithOtherParametersIfItIsAtTheExpectedRevision) {
+  const MapInfo map = grow(make_map(), 1);
+  const auto put = [&](std::uint64_t revision) {
+    return store_.put("office", "d", std::nullopt, "params", "t1",
+                      MapRemake{.expected_revision = revision, .outline = kOutline});
+  };
+  const std::string before = dump();
+  EXPECT_EQ(put(map.revision - 1).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(put(0).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(dump(), before);
+  ASSERT_TRUE(put(map.revision));
+  EXPECT_EQ(store_.find("office")->feature_count, kOutline.feature_count);
+  EXPECT_EQ(store_.find("office")->max_y, kOutline.max_y);
+}
+
+TEST_F(MapStoreTest, OutlinesNoMapWithoutContent) {
+  ASSERT_TRUE(store_.put("office", std::nullopt, std::nullopt, "params", "t0",
+                         MapRemake{.expected_revision = 0, .outline = kOutline}));
+  EXPECT_EQ(store_.find("office")->feature_count, 0U);
+  EXPECT_FALSE(store_.find("office")->has_bounds);
+}
+
 TEST_F(MapStoreTest, KeepsTheRevisionWhenTheSameIsPutAgain) {
   ASSERT_TRUE(store_.put("office", "d", "lidar", "params", "t0"));
   ASSERT_TRUE(store_.put("office", "d", "lidar", "params", "t1"));
