@@ -7,6 +7,7 @@
 
 #include "api/json_codec.hpp"
 #include "api/report_codec.hpp"
+#include "server/entity_tag.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 
@@ -66,7 +67,7 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
   const std::string tag = "W/\"" + info.digest + "-" + std::string(kind) + "\"";
   response.headers.emplace_back("ETag", tag);
   response.headers.emplace_back("Cache-Control", "no-cache");
-  if (request.if_none_match.find(tag) != std::string::npos) {
+  if (names_entity_tag(request.if_none_match, tag)) {
     response.status = 304;
     response.body.clear();
   }
