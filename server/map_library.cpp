@@ -188,7 +188,14 @@ Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParam
   return mapper->build();
 }
 
-/// An error in a floor map, as one in the form that it came in.
+/// An error in the files of a floor map, as one in the form that they came in. Those that may be
+/// read but are wrong are keys of the yaml.
+Error at_form(Error error) {
+  error.field = (error.code == ErrorCode::kInvalidArgument ? "/yaml/" : "/") + error.field;
+  return error;
+}
+
+/// An error in a part of the request.
 Error at_part(Error error) {
   error.field = "/" + error.field;
   return error;
@@ -450,7 +457,7 @@ Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
 Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
                                                  std::span<const std::byte> image) {
   const auto floor_map = parse_map(yaml, image);
-  if (!floor_map) return at_part(floor_map.error());
+  if (!floor_map) return at_form(floor_map.error());
   const auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
   auto made = map_from_grid(
