@@ -38,23 +38,18 @@ api::MapEntry entry_of(const MapInfo& info) {
 }
 
 Response invalid_map_name() {
-  return problem_response(
-      api::Problem{.status = 422,
-                   .code = "invalid_argument",
-                   .title = "Invalid argument",
-                   .detail = "A map's name matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}.",
-                   .errors = {{"/map", "not a valid name"}},
-                   .extra_json = {}});
+  api::Problem problem = api::make_problem(
+      ErrorCode::kInvalidArgument, "A map's name matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}.");
+  problem.errors = {{"/map", "not a valid name"}};
+  return problem_response(problem);
 }
 
 Response incomplete_form(std::vector<api::FieldError> missing) {
-  return problem_response(
-      api::Problem{.status = 422,
-                   .code = "invalid_argument",
-                   .title = "Invalid argument",
-                   .detail = "Send the parts yaml and image: -F yaml=@MAP.yaml -F image=@MAP.pgm",
-                   .errors = std::move(missing),
-                   .extra_json = {}});
+  api::Problem problem =
+      api::make_problem(ErrorCode::kInvalidArgument,
+                        "Send the parts yaml and image: -F yaml=@MAP.yaml -F image=@MAP.pgm");
+  problem.errors = std::move(missing);
+  return problem_response(problem);
 }
 
 Response no_such_feature(const std::string& id) {
