@@ -38,10 +38,10 @@ std::string make_session_id() {
 /// Stamps within a batch increase already; a batch must also begin after the one before it.
 std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp) {
   if (!last_stamp || first.scan.stamp > *last_stamp) return std::nullopt;
-  return Error{ErrorCode::kInvalidArgument,
-               "stamp " + std::to_string(first.scan.stamp) + " is not after " +
-                   std::to_string(*last_stamp) + ", the session's last",
-               "/scans/0/stamp"};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format("stamp {} is not after {}, the session's last", first.scan.stamp, *last_stamp),
+      "/scans/0/stamp"};
 }
 
 void add(StepTimes& sum, const StepTimes& times) {

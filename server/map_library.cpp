@@ -1,5 +1,7 @@
 #include "server/map_library.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -138,8 +140,9 @@ std::optional<Error> too_late(std::span<const Scan* const> fresh, const Mapper& 
       std::ranges::find_if(fresh, [last](const Scan* scan) { return scan->scan.stamp <= last; });
   if (late == fresh.end()) return std::nullopt;
   return Error{ErrorCode::kInvalidArgument,
-               "must be later than the last key frame's " + std::to_string(last) +
-                   ", since scans without pose are one drive",
+               fmt::format("must be later than the last key frame's {}, since scans without pose "
+                           "are one drive",
+                           last),
                "/scans/" + std::to_string(*late - first_of_batch) + "/stamp"};
 }
 
@@ -222,7 +225,7 @@ Error uncovered_key_frames(const std::vector<double>& missing, std::size_t key_f
                         std::to_string(key_frames) + " key frames, at stamps ";
   const std::size_t told = std::min(missing.size(), kMaxStampsTold);
   for (std::size_t i = 0; i < told; ++i) {
-    message += (i == 0 ? "" : ", ") + std::to_string(missing[i]);
+    message += fmt::format("{}{}", i == 0 ? "" : ", ", missing[i]);
   }
   if (told < missing.size()) message += ", …";
   return {ErrorCode::kInvalidArgument, message, "/poses"};

@@ -140,6 +140,17 @@ TEST_F(LocalizationServiceTest, TakesNoHugeSequenceForTheOneBeforeTheFirst) {
   EXPECT_EQ(service_.post_scans(create(process_), request)->expected_sequence, 0U);
 }
 
+TEST_F(LocalizationServiceTest, TellsStampsThatAreNearToEachOtherApart) {
+  const std::string id = create(process_);
+  auto request = batch(0);
+  for (std::size_t i = 0; i < 3; ++i) request.scans[i].scan.stamp = 1e9 + static_cast<double>(i);
+  answer(process_, id, request);
+  request.sequence = 1;
+  request.scans[0].scan.stamp = 1e9 + 2.0 - 1.2e-7;
+  EXPECT_THAT(service_.post_scans(id, request).error().message,
+              HasSubstr("1000000001.9999999 is not after 1000000002"));
+}
+
 TEST_F(LocalizationServiceTest, RefusesStampsThatDoNotIncreaseAndChangesNothing) {
   const std::string id = create(process_);
   const std::string first = answer(process_, id, batch(0));
