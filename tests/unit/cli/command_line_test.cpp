@@ -266,6 +266,13 @@ TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   EXPECT_THAT(second.err, HasSubstr("nothing was added"));
 }
 
+TEST_F(CommandLine, NamesTheCommandThatThereIsNot) {
+  EXPECT_THAT(run({"dance"}).err, HasSubstr("there is no command dance\n"));
+  EXPECT_THAT(run({"map", "dance", "--quickly"}).err, HasSubstr("there is no command dance\n"));
+  EXPECT_THAT(run({"map"}).err, HasSubstr("subcommand is required"));
+  EXPECT_THAT(run({"map", "show"}).err, HasSubstr("NAME is required"));
+}
+
 TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
   const std::string database = (directory_.path() / "maps.db").string();
