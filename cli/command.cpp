@@ -2,10 +2,23 @@
 
 #include <spdlog/fmt/chrono.h>
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 
 namespace cornerfix::cli {
+
+namespace {
+
+/// The number that all of `text` is; NaN when it is none.
+double number_in(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' ? number : std::nan("");
+}
+
+}  // namespace
 
 std::string utc_now_text() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
@@ -19,6 +32,25 @@ int fail(const Error& error) {
 
 void warn(const std::string& where, const std::string& what) {
   if (!what.empty()) std::fprintf(stderr, "cornerfix: %s: %s\n", where.c_str(), what.c_str());
+}
+
+CLI::Validator above_zero() {
+  return {[](std::string& text) {
+            const double number = number_in(text);
+            return number > 0.0 && std::isfinite(number) ? std::string()
+                                                         : "expected a number above 0, not " + text;
+          },
+          "above 0"};
+}
+
+CLI::Validator not_below_zero() {
+  return {[](std::string& text) {
+            const double number = number_in(text);
+            return number >= 0.0 && std::isfinite(number)
+                       ? std::string()
+                       : "expected a number from 0 on, not " + text;
+          },
+          "from 0 on"};
 }
 
 void add_lidar_option(CLI::App& command, std::string& lidar) {

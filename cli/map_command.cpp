@@ -119,7 +119,7 @@ void add_build_command(CLI::App& map, int& exit_code) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_flag("--slam", arguments->scans.without_poses,
                     "Find the poses from scans and odometry instead of taking the log's");

@@ -320,10 +320,10 @@ void add_options(CLI::App& command, ReplayArguments& arguments) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--rate", arguments.rate, "Times the speed of the log; 0 as fast as it goes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_below_zero())
       ->capture_default_str();
   command.add_option("--track", arguments.track_m, "Metres to drive on after the first fix")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_below_zero())
       ->capture_default_str();
   command.add_flag("--no-odom", arguments.no_odometry, "Post no odometry");
   command.add_flag("--keep-session", arguments.keep_session,

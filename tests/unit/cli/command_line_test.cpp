@@ -17,6 +17,7 @@ namespace cornerfix::cli {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 struct Outcome {
   int exit_code = 0;
@@ -271,6 +272,17 @@ TEST_F(CommandLine, NamesTheCommandThatThereIsNot) {
   EXPECT_THAT(run({"map", "dance", "--quickly"}).err, HasSubstr("there is no command dance\n"));
   EXPECT_THAT(run({"map"}).err, HasSubstr("subcommand is required"));
   EXPECT_THAT(run({"map", "show"}).err, HasSubstr("NAME is required"));
+}
+
+TEST_F(CommandLine, TellsTheRangeOfANumberInAFewWords) {
+  const std::string log = directory_.write("a.jsonl", walk(3)).string();
+  for (const char* number : {"0", "-1", "inf", "many"}) {
+    EXPECT_THAT(run({"evaluate", log.c_str(), "--starts", number}).err,
+                HasSubstr("--starts: expected a number above 0, not " + std::string(number)));
+  }
+  EXPECT_THAT(run({"replay", log.c_str(), "--rate", "-1"}).err,
+              HasSubstr("--rate: expected a number from 0 on, not -1"));
+  EXPECT_THAT(run({"evaluate", "--help"}).out, Not(HasSubstr("0000000")));
 }
 
 TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {
