@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "api/requests.hpp"
+
 namespace cornerfix::cli {
 
 namespace {
@@ -51,6 +53,20 @@ CLI::Validator not_below_zero() {
                        : "expected a number from 0 on, not " + text;
           },
           "from 0 on"};
+}
+
+CLI::Validator map_name() {
+  return {[](std::string& name) {
+            return api::is_valid_name(name) ? std::string()
+                                            : name +
+                                                  " is no name for a map, which matches "
+                                                  "[A-Za-z0-9][A-Za-z0-9._-]{0,127}";
+          },
+          ""};
+}
+
+void add_map_name(CLI::App& command, std::string& name) {
+  command.add_option("NAME", name, "Name of the map")->required()->check(map_name());
 }
 
 void add_lidar_option(CLI::App& command, std::string& lidar) {

@@ -30,6 +30,12 @@ void add_lidar_option(CLI::App& command, std::string& lidar);
 [[nodiscard]] CLI::Validator above_zero();
 [[nodiscard]] CLI::Validator not_below_zero();
 
+/// A name that a map may have.
+[[nodiscard]] CLI::Validator map_name();
+
+/// NAME, of a map.
+void add_map_name(CLI::App& command, std::string& name);
+
 // Each adds its command to `app`. Parsing a command line runs its command, which leaves its exit
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.
 void add_backup_command(CLI::App& app, int& exit_code);

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "api/requests.hpp"
 #include "cli/command.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
@@ -38,9 +37,6 @@ Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles 
 }
 
 Result<Imported> import_into_file(const MapImportArguments& arguments, const MapFiles& files) {
-  if (!api::is_valid_name(arguments.name)) {
-    return Error{ErrorCode::kInvalidArgument, "is no name for a map", arguments.name};
-  }
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
   server::MapLibrary library(*stores, {}, utc_now_text);

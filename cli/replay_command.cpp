@@ -299,7 +299,8 @@ void add_options(CLI::App& command, ReplayArguments& arguments) {
       ->required()
       ->check(CLI::ExistingFile);
   add_lidar_option(command, arguments.lidar);
-  command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)");
+  command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)")
+      ->check(map_name());
   command.add_option("--robot", arguments.robot, "Name of the robot")->capture_default_str();
   command
       .add_option("--split", arguments.split,

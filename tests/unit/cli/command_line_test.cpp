@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -288,9 +289,49 @@ TEST_F(CommandLine, TellsTheRangeOfANumberInAFewWords) {
 TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
   const std::string database = (directory_.path() / "maps.db").string();
-  const Outcome outcome = run({"map", "build", "a/b", log.c_str(), "--db", database.c_str()});
+  for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+           {"map", "build", "a/b", log.c_str(), "--db", database.c_str()},
+           {"map", "restore", "a/b", log.c_str()},
+           {"map", "show", "a/b"},
+           {"replay", log.c_str(), "--map", "a/b"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("a/b is no name for a map"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(database));
+}
+
+TEST_F(CommandLine, EndsWithTwoWhereAFileIsMissingOrADirectory) {
+  const std::string directory = directory_.path().string();
+  for (const auto& [file, says] :
+       {std::pair("/no/such/file", "does not exist"), std::pair(directory.c_str(), "directory")}) {
+    for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+             {"map", "restore", "a", file}, {"serve", "--db", "a.db", "--config", file}}) {
+      const Outcome outcome = run(arguments);
+      EXPECT_EQ(outcome.exit_code, 2);
+      EXPECT_THAT(outcome.err, HasSubstr(says));
+    }
+  }
+}
+
+TEST_F(CommandLine, SaysThatADatabaseIsADirectory) {
+  const std::string directory = directory_.path().string();
+  const Outcome outcome = run({"serve", "--db", directory.c_str(), "--port", "0"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("a/b: is no name for a map"));
+  EXPECT_THAT(outcome.err, HasSubstr("is a directory"));
+}
+
+TEST_F(CommandLine, SaysThatAFileToRestoreIsEmpty) {
+  const std::string file = directory_.write("a.cornerfix", "").string();
+  const Outcome outcome = run({"map", "restore", "a", file.c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("is empty"));
+}
+
+TEST_F(CommandLine, TakesHttpServersOnly) {
+  const Outcome outcome = run({"map", "list", "--server", "ftp://x"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("not ftp://x"));
 }
 
 /// A server that finds the robot at the third batch.
