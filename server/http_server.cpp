@@ -1,6 +1,7 @@
 #include "server/http_server.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -607,9 +608,13 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config) {
   auto impl = std::make_unique<Impl>(config);
-  if (auto opened = impl->open_services(); !opened) return opened.error();
+  // The port first: where it is taken, no new database is left behind.
   impl->set_up_http();
   if (auto bound = impl->bind(); !bound) return bound.error();
+  if (auto opened = impl->open_services(); !opened) {
+    ::close(impl->listen_fd);
+    return opened.error();
+  }
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
