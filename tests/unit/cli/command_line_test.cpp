@@ -268,6 +268,21 @@ TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   EXPECT_THAT(second.err, HasSubstr("nothing was added"));
 }
 
+TEST_F(CommandLine, ImportsALargePgmInASmallBody) {
+  const std::string yaml =
+      directory_.write("map.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
+          .string();
+  directory_.write("map.pgm", "P5 4096 4096 255\n" + std::string(4096 * 4096, '\xfe'));
+  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, R"({"features": 5})"}; });
+  const Outcome outcome =
+      run({"map", "import", "attic", yaml.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 1U);
+  EXPECT_LT(requests[0].length, 1'000'000U);
+  EXPECT_GT(requests[0].length, 100U);
+}
+
 TEST_F(CommandLine, NamesTheCommandThatThereIsNot) {
   EXPECT_THAT(run({"dance"}).err, HasSubstr("there is no command dance\n"));
   EXPECT_THAT(run({"map", "dance", "--quickly"}).err, HasSubstr("there is no command dance\n"));
