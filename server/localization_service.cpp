@@ -172,8 +172,11 @@ LocalizationService::LocalizationService(std::shared_ptr<StoreAccess> stores,
 LocalizationService::~LocalizationService() = default;
 
 Result<SessionView> LocalizationService::create(const api::CreateSessionRequest& request) {
+  std::vector<std::int64_t> map_ids;
   for (const std::string& map : request.maps) {
-    if (const auto info = maps_->find(map); !info) return info.error();
+    const auto info = maps_->find(map);
+    if (!info) return info.error();
+    map_ids.push_back(info->id);
   }
   const SessionRecord record{.id = make_session_id(),
                              .robot = request.robot,
@@ -183,7 +186,8 @@ Result<SessionView> LocalizationService::create(const api::CreateSessionRequest&
                              .options_json = request.options_json,
                              .expected_sequence = 0,
                              .last_answer = {},
-                             .state = {}};
+                             .state = {},
+                             .map_ids = std::move(map_ids)};
   const auto inserted =
       stores_->with_sessions([&](SessionStore& sessions) { return sessions.insert(record); });
   if (!inserted) return inserted.error();
@@ -246,7 +250,8 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
     const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                         .expected_sequence = session.record.expected_sequence,
                                         .last_answer = session.record.last_answer,
-                                        .state = &forgotten};
+                                        .state = &forgotten,
+                                        .beams = session.lidar.beams.value_or(0)};
     const auto saved =
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
@@ -301,9 +306,9 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .sequence = request.sequence,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
+  session.lidar.beams = last.scan.ranges.size();
   if (auto saved = save(session, request.sequence + 1, answer); !saved) return saved.error();
   session.status = batch.answer.status;
-  session.lidar.beams = last.scan.ranges.size();
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
   session.is_current = true;
@@ -319,7 +324,8 @@ Result<void> LocalizationService::save(Session& session, std::uint64_t expected_
   const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                       .expected_sequence = expected_sequence,
                                       .last_answer = answer,
-                                      .state = &state};
+                                      .state = &state,
+                                      .beams = session.lidar.beams.value_or(0)};
   auto saved = stores_->with_sessions(
       [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
   if (!saved) return saved;
@@ -385,9 +391,10 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.params = api::params_from_json(record.options_json);
   session.stored_state = std::exchange(record.state, {});
   session.record = std::move(record);
-  const auto& submap = session.stored_state.submap;
-  if (!session.lidar.beams && !submap.empty()) {
-    session.lidar.beams = submap.front().scan.ranges.size();
+  if (!session.lidar.beams && session.record.beams > 0) session.lidar.beams = session.record.beams;
+  for (std::size_t i = 0; i < session.record.maps.size(); ++i) {
+    const std::int64_t map_id = session.record.map_ids[i];
+    if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);
   }
   session.status = session.stored_state.status;
   session.localizer.reset();

@@ -232,6 +232,26 @@ TEST_F(LocalizationServiceTest, RefusesABatchWhenItsMapWasDeleted) {
   EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kConflict);
 }
 
+TEST_F(LocalizationServiceTest,
+       KnowsItsMapFromAnotherOfThatNameBeforeTheFirstBatchAndInAnotherProcess) {
+  const std::string id = create(process_);
+  ASSERT_TRUE(process_.maps->remove("office"));
+  make_map(process_, "office");
+  EXPECT_EQ(service_.post_scans(id, batch(0)).error().code, ErrorCode::kConflict);
+  Process restarted(file());
+  EXPECT_EQ(restarted.localization.post_scans(id, batch(0)).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(LocalizationServiceTest, RemembersTheNumberOfBeamsOfScansThatShowedNothing) {
+  const std::string id = create(process_);
+  auto blind = batch(0);
+  for (RobotScan& scan : blind.scans) scan.scan.ranges.assign(360, 1e3F);
+  answer(process_, id, blind);
+  ASSERT_TRUE(service_.reset(id));
+  Process restarted(file());
+  EXPECT_EQ(restarted.localization.head(id)->lidar.beams, 360U);
+}
+
 TEST_F(LocalizationServiceTest, LeavesADeletedMapWhenItSearchesAll) {
   make_map(process_, "twin");
   ASSERT_TRUE(process_.maps->remove("twin"));
