@@ -66,7 +66,7 @@ std::variant<Document, Problem> read_body(std::string_view body, BodyFormat form
   }
   Document document = std::move(builder).take();
   if (!document.root.is_object()) {
-    return make_problem(ErrorCode::kInvalidArgument, "The body must be an object.");
+    return no_object();
   }
   return document;
 }

@@ -8,8 +8,8 @@
 
 namespace cornerfix::api {
 
-/// The document of `body`: 400 when it cannot be read or is no object, 413 above a limit.
-/// A member that is there twice is 400.
+/// The document of `body`: 400 when it cannot be read, 413 above a limit, 422 when it is no
+/// object. A member that is there twice is 400.
 [[nodiscard]] std::variant<Document, Problem> read_body(std::string_view body, BodyFormat format,
                                                         const RequestLimits& limits);
 

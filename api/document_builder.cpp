@@ -20,6 +20,12 @@ Problem too_large(std::string pointer, const std::string& detail) {
 
 }  // namespace
 
+Problem no_object() {
+  Problem problem = make_problem(ErrorCode::kInvalidArgument, "The body must be an object.");
+  problem.errors.push_back({"", "must be an object"});
+  return problem;
+}
+
 bool DocumentBuilder::null() {
   if (in_ranges()) return range(kNoReturn);
   return leaf(nullptr);

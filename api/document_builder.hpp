@@ -30,6 +30,9 @@ struct Document {
   FieldErrors errors;  ///< Values inside of `ranges` that are neither number nor null.
 };
 
+/// A body that can be read but is no object.
+[[nodiscard]] Problem no_object();
+
 class DocumentBuilder {
  public:
   static constexpr std::size_t kMaxDepth = 16;

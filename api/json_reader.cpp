@@ -99,7 +99,7 @@ bool read_json(std::string_view text, DocumentBuilder& builder) {
     // A lone number or string is no request; simdjson has no generic value for it.
     if (document.is_scalar()) {
       if (!nlohmann::json::accept(text)) return malformed("it must be an object", builder);
-      return builder.fail(make_problem(ErrorCode::kInvalidArgument, "The body must be an object."));
+      return builder.fail(no_object());
     }
     if (!walk(document.get_value(), builder)) return false;
     if (document.current_location().error() != simdjson::OUT_OF_BOUNDS) {

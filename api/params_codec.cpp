@@ -1,6 +1,7 @@
 #include "api/params_codec.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -100,8 +101,14 @@ class Reader {
     if (const auto number = field.as_number()) member = *number;
   }
   static void read(const JsonField& field, int& member) {
-    constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
-    if (const auto count = field.as_count(0, kMost)) member = static_cast<int>(*count);
+    constexpr double kMost = std::numeric_limits<int>::max();
+    const double number =
+        field.json().is_number() ? field.json().get<double>() : std::numeric_limits<double>::max();
+    if (number == std::trunc(number) && std::abs(number) <= kMost) {
+      member = static_cast<int>(number);  // Its own range is told by validate().
+    } else {
+      field.fail("must be a whole number of at most 2147483647");
+    }
   }
   static void read(const JsonField& field, std::uint64_t& member) {
     constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();

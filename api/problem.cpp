@@ -64,7 +64,8 @@ Problem to_problem(const Error& error) {
     return make_problem(error.code, "The server's log has the details, by the request's id.");
   }
   Problem problem = make_problem(error.code, error.message);
-  const bool input_was_wrong = problem.status == 400 || problem.status == 422;
+  const bool input_was_wrong =
+      problem.status == 400 || problem.status == 413 || problem.status == 422;
   if (input_was_wrong && !error.field.empty()) {
     problem.errors.push_back({as_pointer(error.field), error.message});
   }

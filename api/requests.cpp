@@ -131,6 +131,17 @@ struct StoredText {
   JsonField field;
 };
 
+/// What is null in `from` is as if it were not there.
+void merge(nlohmann::json& into, const nlohmann::json& from) {
+  for (const auto& [name, value] : from.items()) {
+    if (value.is_object()) {
+      merge(into[name], value);
+    } else if (!value.is_null()) {
+      into[name] = value;
+    }
+  }
+}
+
 template <typename Params>
 Params stored_params(std::string_view text) {
   Params params;
@@ -284,6 +295,17 @@ std::string lidar_to_json(const Lidar& lidar) {
   const Pose2& mount = lidar.T_base_link_laser;
   json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
   return json.dump();
+}
+
+Result<std::string> merged_parameters(std::string_view stored, std::string_view given) {
+  StoredText merged(stored.empty() ? "{}" : stored);
+  merge(merged.root, nlohmann::json::parse(given));
+  MapperParams params;
+  read_params(merged.field, params);
+  if (merged.errors.empty()) return merged.root.dump();
+  const Problem problem = std::move(merged.errors).to_problem();
+  const FieldError& first = problem.errors.front();
+  return Error{ErrorCode::kInvalidArgument, first.detail, "/parameters" + first.pointer};
 }
 
 bool is_put_map_request(std::string_view description, std::string_view lidar_json,

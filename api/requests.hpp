@@ -101,6 +101,11 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] LocalizerParams params_from_json(std::string_view options_json);
 [[nodiscard]] MapperParams mapper_params_from_json(std::string_view parameters_json);
 
+/// A map's parameters after `given`, the text of a parse above, was put: those that it leaves out
+/// stay as `stored` has them. kInvalidArgument when they do not go together.
+[[nodiscard]] Result<std::string> merged_parameters(std::string_view stored,
+                                                    std::string_view given);
+
 /// Whether a parse_put_map() could have given all three, empty ones aside: to be asked of what was
 /// stored by somebody else.
 [[nodiscard]] bool is_put_map_request(std::string_view description, std::string_view lidar_json,

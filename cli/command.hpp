@@ -26,6 +26,16 @@ void warn(const std::string& where, const std::string& what);
 /// --lidar, for logs that hold the scans of several.
 void add_lidar_option(CLI::App& command, std::string& lidar);
 
+/// A finite number above 0, or not below 0. CLI11's own tell the largest double in full.
+[[nodiscard]] CLI::Validator above_zero();
+[[nodiscard]] CLI::Validator not_below_zero();
+
+/// A name that a map may have.
+[[nodiscard]] CLI::Validator map_name();
+
+/// NAME, of a map.
+void add_map_name(CLI::App& command, std::string& name);
+
 // Each adds its command to `app`. Parsing a command line runs its command, which leaves its exit
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.
 void add_backup_command(CLI::App& app, int& exit_code);

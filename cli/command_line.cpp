@@ -2,10 +2,25 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <string>
 
 #include "cli/command.hpp"
 
 namespace cornerfix::cli {
+
+namespace {
+
+/// The word that stands where a command should; empty when none does.
+std::string unknown_command(const CLI::App& app) {
+  const CLI::App* innermost = &app;
+  for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = innermost->get_subcommands())
+    innermost = chosen.front();
+  const auto words = innermost->remaining();
+  const bool needs_command = innermost->get_require_subcommand_min() > 0;
+  return needs_command && !words.empty() ? words.front() : std::string();
+}
+
+}  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
   CLI::App app("Cornerfix tells a robot with a 2D lidar where it is in a known building.");
@@ -24,6 +39,14 @@ int run_command_line(int argc, const char* const* argv) {
   add_backup_command(app, exit_code);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    const std::string word = unknown_command(app);
+    if (word.empty()) {
+      app.exit(error);
+    } else {
+      app.exit(CLI::ParseError("there is no command " + word, CLI::ExitCodes::RequiredError));
+    }
+    return kWrongUse;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kWrongUse;  // --help and --version, too.
   } catch (const std::exception& error) {

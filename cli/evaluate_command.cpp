@@ -304,8 +304,7 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
   command->add_option(
       "--split", arguments->split,
       "Share of LOG that makes the map; or blocks:METRES, of which every other does");
-  command->add_option("--stride", arguments->stride, "Use every n-th scan")
-      ->check(CLI::PositiveNumber);
+  command->add_option("--stride", arguments->stride, "Use every n-th scan")->check(above_zero());
   CLI::Option* map_log = command
                              ->add_option("--map-log", arguments->map_log,
                                           "Log that makes the map, in LOG's frame; all of LOG asks")
@@ -333,17 +332,17 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
                    "Logs of other buildings: look in their maps as well")
       ->check(CLI::ExistingFile);
   command->add_option("--starts", options.starts, "Robots switched on along LOG")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command
       ->add_option("--near", options.near_m,
                    "Metres from a mapping pose: a start in the mapped part")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_below_zero());
   command->add_option("--way", options.way_m, "Metres of driving allowed until the fix")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_option("--time", options.time_s, "Seconds of log time allowed until the fix")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_option("--track", options.track_m, "Metres to follow after the fix")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_below_zero());
   command->add_option("--batch", options.batch, "Scans a question, 1 to 100")
       ->check(CLI::Range(1, 100));
   command->add_option("--method", arguments->method,

@@ -57,6 +57,8 @@ int run_map_export(const MapArchiveArguments& arguments) {
 int run_map_restore(const MapArchiveArguments& arguments) {
   Result<std::string> bytes = read_file(arguments.file);
   if (!bytes) return fail(bytes.error());
+  if (bytes->empty())
+    return fail({ErrorCode::kInvalidArgument, "is empty, so it is no map", arguments.file});
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
   HttpRequest request{"POST", archive_path(arguments.name), std::move(*bytes)};

@@ -113,9 +113,6 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans&
 /// What the request checks over HTTP is checked here as well.
 Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
                           const LogHeader& header) {
-  if (!api::is_valid_name(arguments.name)) {
-    return Error{ErrorCode::kInvalidArgument, "is no name for a map", arguments.name};
-  }
   const auto request =
       api::parse_put_map(description_body(arguments, header), api::BodyFormat::kJson);
   if (const auto* problem = std::get_if<api::Problem>(&request)) {

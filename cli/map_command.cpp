@@ -85,7 +85,7 @@ void add_named_command(CLI::App& map, const char* name, const char* help, MapFun
                        int& exit_code) {
   auto arguments = std::make_shared<MapArguments>();
   CLI::App* command = map.add_subcommand(name, help);
-  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  add_map_name(*command, arguments->name);
   add_connection_options(*command, arguments->connection);
   command->callback([arguments, function, &exit_code] { exit_code = function(*arguments); });
 }
@@ -111,7 +111,7 @@ void add_build_command(CLI::App& map, int& exit_code) {
       "are\n"
       "skipped, so the same log may be sent again. A later drive in the map's building and frame\n"
       "updates it: where that drive looked, what is gone leaves the map.");
-  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  add_map_name(*command, arguments->name);
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
       ->check(CLI::ExistingFile);
@@ -119,7 +119,7 @@ void add_build_command(CLI::App& map, int& exit_code) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command->add_flag("--slam", arguments->scans.without_poses,
                     "Find the poses from scans and odometry instead of taking the log's");
@@ -133,14 +133,17 @@ void add_build_command(CLI::App& map, int& exit_code) {
   command->callback([arguments, &exit_code] { exit_code = run_map_build(*arguments); });
 }
 
-void add_archive_command(CLI::App& map, const char* name, const char* help, const char* file_help,
-                         int (*run)(const MapArchiveArguments&), int& exit_code) {
+/// Returns its FILE.
+CLI::Option* add_archive_command(CLI::App& map, const char* name, const char* help,
+                                 const char* file_help, int (*run)(const MapArchiveArguments&),
+                                 int& exit_code) {
   auto arguments = std::make_shared<MapArchiveArguments>();
   CLI::App* command = map.add_subcommand(name, help);
-  command->add_option("NAME", arguments->name, "Name of the map")->required();
-  command->add_option("FILE", arguments->file, file_help)->required();
+  add_map_name(*command, arguments->name);
+  CLI::Option* file = command->add_option("FILE", arguments->file, file_help)->required();
   add_connection_options(*command, arguments->connection);
   command->callback([arguments, run, &exit_code] { exit_code = run(*arguments); });
+  return file;
 }
 
 void add_report_command(CLI::App& map, int& exit_code) {
@@ -150,7 +153,7 @@ void add_report_command(CLI::App& map, int& exit_code) {
   command->footer(
       "Simulated robots are switched on all over the map's free space and drive until they are\n"
       "told their pose. They have the map's lidar, or half a turn with 30 m of reach.");
-  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  add_map_name(*command, arguments->name);
   command->add_option("--picture", arguments->picture, "Draw it into this file (SVG)");
   add_connection_options(*command, arguments->connection);
   command->callback([arguments, &exit_code] { exit_code = run_map_report(*arguments); });
@@ -164,7 +167,7 @@ void add_import_command(CLI::App& map, int& exit_code) {
       "A floor map is a yaml and a pgm or png as ROS map_server has them. Features come from "
       "virtual\nscans in its free space. Imported again, a floor map replaces the one that the map "
       "was made from.");
-  command->add_option("NAME", arguments->name, "Name of the map")->required();
+  add_map_name(*command, arguments->name);
   command->add_option("YAML", arguments->yaml, "The floor map's yaml; its image lies beside it")
       ->required()
       ->check(CLI::ExistingFile);
@@ -187,7 +190,8 @@ void add_map_command(CLI::App& app, int& exit_code) {
   add_archive_command(*map, "export", "Write a map into one file", "Where to write it",
                       run_map_export, exit_code);
   add_archive_command(*map, "restore", "Make a map of the file that export wrote", "The file",
-                      run_map_restore, exit_code);
+                      run_map_restore, exit_code)
+      ->check(CLI::ExistingFile);
   add_list_command(*map, exit_code);
   add_named_command(*map, "show", "Show what the server knows of a map", show_map, exit_code);
   add_report_command(*map, exit_code);

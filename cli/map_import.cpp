@@ -2,12 +2,13 @@
 
 #include <cornerfix/map_image.hpp>
 
+#include <cstddef>
 #include <cstdio>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "api/requests.hpp"
 #include "cli/command.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
@@ -23,24 +24,45 @@ struct Imported {
   std::vector<std::string> warnings;
 };
 
+/// A server takes bodies of 16 MiB, if it is not told otherwise.
+constexpr std::size_t kMaxImageBytes = std::size_t{15} << 20U;
+
+/// The same cells as a png, which is a small part of a large pgm; and what is to be said of the
+/// files as they were.
+Result<std::optional<std::string>> pack(MapFiles& files) {
+  const auto image = std::as_bytes(std::span(files.image));
+  const Result<OccupancyGrid> grid = parse_map(files.yaml, image);
+  if (!grid) return Error{grid.error().code, grid.error().message, files.image_path.string()};
+  auto advice = threshold_advice(files.yaml, image);
+  const std::vector<std::byte> png = encode_grid_png(*grid);
+  files.image.assign(reinterpret_cast<const char*>(png.data()), png.size());
+  files.yaml = encode_grid_yaml(*grid, "image.png");
+  return advice;
+}
+
 Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles files) {
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
+  std::optional<std::string> advice;
+  if (files.image.size() > kMaxImageBytes && !server->is_printing()) {
+    auto packed = pack(files);
+    if (!packed) return packed.error();
+    advice = std::move(*packed);
+  }
   HttpRequest request{"PUT", "/v1/maps/" + percent_encode(arguments.name) + "/grid"};
   request.form = {{"yaml", arguments.yaml, std::move(files.yaml)},
                   {"image", files.image_path.string(), std::move(files.image)}};
   const Result<nlohmann::json> answer = server->call(request);
   if (!answer) return answer.error();
   if (!answer->is_object()) return Imported{};  // Nothing was sent.
-  return Imported{answer->value("features", std::size_t{0}),
-                  answer->value("revision", std::uint64_t{0}),
-                  answer->value("warnings", std::vector<std::string>{})};
+  Imported imported{answer->value("features", std::size_t{0}),
+                    answer->value("revision", std::uint64_t{0}),
+                    answer->value("warnings", std::vector<std::string>{})};
+  if (advice) imported.warnings.push_back(std::move(*advice));
+  return imported;
 }
 
 Result<Imported> import_into_file(const MapImportArguments& arguments, const MapFiles& files) {
-  if (!api::is_valid_name(arguments.name)) {
-    return Error{ErrorCode::kInvalidArgument, "is no name for a map", arguments.name};
-  }
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
   server::MapLibrary library(*stores, {}, utc_now_text);

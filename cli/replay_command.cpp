@@ -299,7 +299,8 @@ void add_options(CLI::App& command, ReplayArguments& arguments) {
       ->required()
       ->check(CLI::ExistingFile);
   add_lidar_option(command, arguments.lidar);
-  command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)");
+  command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)")
+      ->check(map_name());
   command.add_option("--robot", arguments.robot, "Name of the robot")->capture_default_str();
   command
       .add_option("--split", arguments.split,
@@ -320,10 +321,10 @@ void add_options(CLI::App& command, ReplayArguments& arguments) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--rate", arguments.rate, "Times the speed of the log; 0 as fast as it goes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_below_zero())
       ->capture_default_str();
   command.add_option("--track", arguments.track_m, "Metres to drive on after the first fix")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_below_zero())
       ->capture_default_str();
   command.add_flag("--no-odom", arguments.no_odometry, "Post no odometry");
   command.add_flag("--keep-session", arguments.keep_session,

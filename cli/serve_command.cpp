@@ -125,7 +125,8 @@ void add_serve_command(CLI::App& app, int& exit_code) {
                       "SQLite file, made when it does not exist");
   command->add_option("--listen", arguments->flags.listen, "Address to bind (127.0.0.1)");
   command->add_option("--port", arguments->flags.port, "Port; 0 takes a free one (8080)");
-  command->add_option("--config", arguments->config, "JSON file with any of the settings");
+  command->add_option("--config", arguments->config, "JSON file with any of the settings")
+      ->check(CLI::ExistingFile);
   command->add_flag("--allow-insecure-listen", arguments->flags.allow_insecure_listen,
                     "Bind to more than loopback without any tokens");
   command->callback([arguments, &exit_code] { exit_code = run_serve(*arguments); });

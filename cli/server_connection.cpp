@@ -18,10 +18,19 @@ std::filesystem::path curl_body_directory() {
   return directory / ("cornerfix-curl-" + std::to_string(getpid()));
 }
 
+CLI::Validator server_url() {
+  return {[](std::string& url) {
+            const auto client = HttpClient::create({.url = url, .token = {}});
+            return client ? std::string() : client.error().message + ", not " + url;
+          },
+          "URL"};
+}
+
 }  // namespace
 
 void add_connection_options(CLI::App& command, ConnectionOptions& options) {
   command.add_option("--server", options.server.url, "URL of the server")
+      ->check(server_url())
       ->capture_default_str()
       ->group("Server");
   command.add_option("--token", options.server.token, "Token, where the server asks for one")

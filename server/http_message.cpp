@@ -35,6 +35,8 @@ std::string_view title_of(int status) {
       return "Expectation failed";
     case 422:
       return "Unprocessable content";
+    case 431:
+      return "Request header fields too large";
     case 501:
       return "Not implemented";
     case 503:

@@ -1,6 +1,7 @@
 #include "server/http_server.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -235,6 +236,21 @@ std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& e
   return parts;
 }
 
+Response uri_too_long() {
+  return problem_response(414, "uri_too_long", "The request target is too long.");
+}
+
+/// The answer to what the library gives up reading with `status`.
+Response unread_problem(const httplib::Request& raw, int status) {
+  if (status == 414) return uri_too_long();
+  const bool was_line_read = !raw.path.empty();
+  if (status == 400 && was_line_read) {
+    return problem_response(431, "headers_too_large",
+                            "The headers do not end, or one has more than 8192 bytes.");
+  }
+  return problem_response(status, "malformed", "The request cannot be read.");
+}
+
 Response unsupported_media_type(const std::string& content_type) {
   std::string detail =
       "Send application/json, application/cbor or application/msgpack, not " + content_type + ".";
@@ -267,6 +283,8 @@ struct HttpServer::Impl {
 
   void serve(const httplib::Request& raw, httplib::Response& out,
              const httplib::ContentReader* reader);
+  void refuse_unread(const httplib::Request& raw, httplib::Response& out);
+  std::string next_request_id() { return id_prefix + "-" + std::to_string(next_id++); }
   Response answer(Exchange& exchange);
   Response answer_by_route(Exchange& exchange);
   Response answer_by_file(Exchange& exchange, const PathSegments& path);
@@ -352,9 +370,7 @@ void HttpServer::Impl::set_up_http() {
                                                                     httplib::Response& out) {
     using Handled = httplib::Server::HandlerResponse;
     if (out.has_header("X-Request-Id")) return Handled::Unhandled;
-    Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
-    exchange.close = true;
-    write(exchange, problem_response(out.status, "malformed", "The request cannot be read."), out);
+    refuse_unread(raw, out);
     return Handled::Handled;
   };
   http.set_error_handler(refuse_broken);
@@ -383,13 +399,22 @@ Result<void> HttpServer::Impl::bind() {
   return {};
 }
 
+void HttpServer::Impl::refuse_unread(const httplib::Request& raw, httplib::Response& out) {
+  Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
+  exchange.close = true;
+  exchange.request.id = next_request_id();
+  Response response = unread_problem(raw, out.status);
+  spdlog::info("{} {} was not read: {}", exchange.request.id, raw.method, response.status);
+  write(exchange, std::move(response), out);
+}
+
 void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out,
                              const httplib::ContentReader* reader) {
   const auto begin = SteadyClock::now();
   // The library's request is not const, it only hands it out so.
   Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = reader};
   exchange.framing = framing_of(raw);
-  exchange.request.id = id_prefix + "-" + std::to_string(next_id++);
+  exchange.request.id = next_request_id();
   exchange.request.method = raw.method;
 
   ++in_work;
@@ -422,9 +447,7 @@ Response HttpServer::Impl::answer(Exchange& exchange) {
     exchange.close |= WorkerPool::is_shedding();
     return problem_response(503, "busy", "Too many requests are in work; try again.");
   }
-  if (raw.target.size() > kMaxTargetLength) {
-    return problem_response(414, "uri_too_long", "The request target is too long.");
-  }
+  if (raw.target.size() > kMaxTargetLength) return uri_too_long();
   if (raw.ranges.size() > 1) {
     return problem_response(416, "range_not_satisfiable", "Ask for one range at most.");
   }
@@ -585,9 +608,13 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config) {
   auto impl = std::make_unique<Impl>(config);
-  if (auto opened = impl->open_services(); !opened) return opened.error();
+  // The port first: where it is taken, no new database is left behind.
   impl->set_up_http();
   if (auto bound = impl->bind(); !bound) return bound.error();
+  if (auto opened = impl->open_services(); !opened) {
+    ::close(impl->listen_fd);
+    return opened.error();
+  }
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 

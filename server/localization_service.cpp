@@ -1,5 +1,7 @@
 #include "server/localization_service.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <atomic>
 #include <iterator>
@@ -36,10 +38,10 @@ std::string make_session_id() {
 /// Stamps within a batch increase already; a batch must also begin after the one before it.
 std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp) {
   if (!last_stamp || first.scan.stamp > *last_stamp) return std::nullopt;
-  return Error{ErrorCode::kInvalidArgument,
-               "stamp " + std::to_string(first.scan.stamp) + " is not after " +
-                   std::to_string(*last_stamp) + ", the session's last",
-               "/scans/0/stamp"};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      fmt::format("stamp {} is not after {}, the session's last", first.scan.stamp, *last_stamp),
+      "/scans/0/stamp"};
 }
 
 void add(StepTimes& sum, const StepTimes& times) {
@@ -71,6 +73,12 @@ ProcessedBatch process(Localizer& localizer, Status status, std::span<const Robo
   }
   batch.answer.times = times;
   return batch;
+}
+
+/// Whether a map could not be loaded for what it is, not because of something that may pass.
+bool is_of_the_map(const Error& error) {
+  return error.code == ErrorCode::kConflict || error.code == ErrorCode::kCorruptData ||
+         error.code == ErrorCode::kNotFound;
 }
 
 Error no_such_session(const std::string& id) {
@@ -164,8 +172,11 @@ LocalizationService::LocalizationService(std::shared_ptr<StoreAccess> stores,
 LocalizationService::~LocalizationService() = default;
 
 Result<SessionView> LocalizationService::create(const api::CreateSessionRequest& request) {
+  std::vector<std::int64_t> map_ids;
   for (const std::string& map : request.maps) {
-    if (const auto info = maps_->find(map); !info) return info.error();
+    const auto info = maps_->find(map);
+    if (!info) return info.error();
+    map_ids.push_back(info->id);
   }
   const SessionRecord record{.id = make_session_id(),
                              .robot = request.robot,
@@ -175,7 +186,8 @@ Result<SessionView> LocalizationService::create(const api::CreateSessionRequest&
                              .options_json = request.options_json,
                              .expected_sequence = 0,
                              .last_answer = {},
-                             .state = {}};
+                             .state = {},
+                             .map_ids = std::move(map_ids)};
   const auto inserted =
       stores_->with_sessions([&](SessionStore& sessions) { return sessions.insert(record); });
   if (!inserted) return inserted.error();
@@ -238,7 +250,8 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
     const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                         .expected_sequence = session.record.expected_sequence,
                                         .last_answer = session.record.last_answer,
-                                        .state = &forgotten};
+                                        .state = &forgotten,
+                                        .beams = session.lidar.beams.value_or(0)};
     const auto saved =
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
@@ -293,9 +306,9 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .sequence = request.sequence,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
+  session.lidar.beams = last.scan.ranges.size();
   if (auto saved = save(session, request.sequence + 1, answer); !saved) return saved.error();
   session.status = batch.answer.status;
-  session.lidar.beams = last.scan.ranges.size();
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
   session.is_current = true;
@@ -311,7 +324,8 @@ Result<void> LocalizationService::save(Session& session, std::uint64_t expected_
   const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                       .expected_sequence = expected_sequence,
                                       .last_answer = answer,
-                                      .state = &state};
+                                      .state = &state,
+                                      .beams = session.lidar.beams.value_or(0)};
   auto saved = stores_->with_sessions(
       [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
   if (!saved) return saved;
@@ -377,9 +391,10 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.params = api::params_from_json(record.options_json);
   session.stored_state = std::exchange(record.state, {});
   session.record = std::move(record);
-  const auto& submap = session.stored_state.submap;
-  if (!session.lidar.beams && !submap.empty()) {
-    session.lidar.beams = submap.front().scan.ranges.size();
+  if (!session.lidar.beams && session.record.beams > 0) session.lidar.beams = session.record.beams;
+  for (std::size_t i = 0; i < session.record.maps.size(); ++i) {
+    const std::int64_t map_id = session.record.map_ids[i];
+    if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);
   }
   session.status = session.stored_state.status;
   session.localizer.reset();
@@ -399,6 +414,11 @@ Result<void> LocalizationService::use_current_maps(Session& session) {
   for (const MapInfo& info : *infos) {
     if (!info.has_bounds) continue;  // Nothing in it yet.
     auto map = maps_->load(info);
+    if (!map && session.record.maps.empty() && is_of_the_map(map.error())) {
+      spdlog::warn("session {} looks in every map but {}: {}", session.record.id, info.name,
+                   map.error().message);
+      continue;
+    }
     if (!map) return map.error();
     maps.push_back(std::move(*map));
     ids.push_back(info.id);

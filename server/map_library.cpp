@@ -1,5 +1,7 @@
 #include "server/map_library.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,6 +28,15 @@ constexpr std::size_t kMaxStampsTold = 20;
 /// Whether another process came in between, so that trying again on its result makes sense.
 bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
 
+template <typename Change>
+auto retrying(Change change) {
+  for (int attempt = 1;; ++attempt) {
+    auto result = change();
+    if (result || attempt == kMaxRevisionAttempts || !is_worth_another_try(result.error()))
+      return result;
+  }
+}
+
 /// The box around a grid, however it is turned.
 Bounds bounds_of(const OccupancyGrid& grid) {
   const Point2 first = grid.T_map_grid.translation();
@@ -51,6 +62,28 @@ void set_bounds(MapInfo& info, const Bounds& bounds) {
   info.max_y = bounds.max.y();
 }
 
+storage::MapOutline outline_from(std::size_t features, const Bounds& bounds) {
+  return {.feature_count = features,
+          .min_x = bounds.min.x(),
+          .min_y = bounds.min.y(),
+          .max_x = bounds.max.x(),
+          .max_y = bounds.max.y()};
+}
+
+storage::MapOutline outline_from(const Mapper& mapper) {
+  return outline_from(mapper.feature_count(), mapper.bounds().value_or(Bounds{}));
+}
+
+/// A mapper that holds these key frames, or why its grid could not.
+Result<Mapper> mapper_of(std::vector<PosedScan> key_frames, const MapperParams& params) {
+  Mapper mapper(params);
+  for (PosedScan& key_frame : key_frames) {
+    if (auto error = mapper.reject(key_frame)) return std::move(*error);
+    mapper.add(std::move(key_frame));
+  }
+  return mapper;
+}
+
 /// What is derived for the entry of an archive's map.
 Result<MapInfo> describe(const storage::MapArchive& archive) {
   const MapperParams params = api::mapper_params_from_json(archive.parameters_json);
@@ -62,13 +95,10 @@ Result<MapInfo> describe(const storage::MapArchive& archive) {
     set_bounds(info, bounds_of(made->content.grid));
     return info;
   }
-  Mapper mapper(params);
-  for (const PosedScan& key_frame : archive.key_frames) {
-    if (const auto error = mapper.reject(key_frame)) return bad_archive(error->message);
-    mapper.add(key_frame);
-  }
-  info.feature_count = mapper.feature_count();
-  if (mapper.bounds()) set_bounds(info, *mapper.bounds());
+  const auto mapper = mapper_of(archive.key_frames, params);
+  if (!mapper) return bad_archive(mapper.error().message);
+  info.feature_count = mapper->feature_count();
+  if (mapper->bounds()) set_bounds(info, *mapper->bounds());
   return info;
 }
 
@@ -110,8 +140,9 @@ std::optional<Error> too_late(std::span<const Scan* const> fresh, const Mapper& 
       std::ranges::find_if(fresh, [last](const Scan* scan) { return scan->scan.stamp <= last; });
   if (late == fresh.end()) return std::nullopt;
   return Error{ErrorCode::kInvalidArgument,
-               "must be later than the last key frame's " + std::to_string(last) +
-                   ", since scans without pose are one drive",
+               fmt::format("must be later than the last key frame's {}, since scans without pose "
+                           "are one drive",
+                           last),
                "/scans/" + std::to_string(*late - first_of_batch) + "/stamp"};
 }
 
@@ -137,21 +168,37 @@ PosedScan posed_by(LidarOdometry& odometry, const RobotScan& scan) {
   return {scan.scan, scan.T_base_link_laser, odometry.process(scan)};
 }
 
+std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
+                                std::vector<PosedScan> key_frames) {
+  for (std::size_t i = 0; i < key_frames.size(); ++i) {
+    key_frames[i].T_map_base_link = T_map_base_link[i];
+  }
+  return key_frames;
+}
+
+/// That a map cannot be made of what is stored, so that the asker can do nothing about it but
+/// change the map.
+Error too_large_now(const Error& error) { return {ErrorCode::kConflict, error.message, ""}; }
+
 /// What the key frames of a drive show once its drift has been taken away.
 Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParams& params,
                                        const MapLibrary::Progress& progress) {
   const auto optimized = optimize_trajectory(drifting.key_frames(), progress);
   if (!optimized) return optimized.error();
-  Mapper mapper(params);
-  for (std::size_t i = 0; i < drifting.key_frames().size(); ++i) {
-    PosedScan key_frame = drifting.key_frames()[i];
-    key_frame.T_map_base_link = optimized->T_map_base_link[i];
-    mapper.add(std::move(key_frame));
-  }
-  return mapper.build();
+  const auto mapper =
+      mapper_of(moved_to(optimized->T_map_base_link, drifting.key_frames()), params);
+  if (!mapper) return too_large_now(mapper.error());
+  return mapper->build();
 }
 
-/// An error in a floor map, as one in the form that it came in.
+/// An error in the files of a floor map, as one in the form that they came in. Those that may be
+/// read but are wrong are keys of the yaml.
+Error at_form(Error error) {
+  error.field = (error.code == ErrorCode::kInvalidArgument ? "/yaml/" : "/") + error.field;
+  return error;
+}
+
+/// An error in a part of the request.
 Error at_part(Error error) {
   error.field = "/" + error.field;
   return error;
@@ -178,7 +225,7 @@ Error uncovered_key_frames(const std::vector<double>& missing, std::size_t key_f
                         std::to_string(key_frames) + " key frames, at stamps ";
   const std::size_t told = std::min(missing.size(), kMaxStampsTold);
   for (std::size_t i = 0; i < told; ++i) {
-    message += (i == 0 ? "" : ", ") + std::to_string(missing[i]);
+    message += fmt::format("{}{}", i == 0 ? "" : ", ", missing[i]);
   }
   if (told < missing.size()) message += ", …";
   return {ErrorCode::kInvalidArgument, message, "/poses"};
@@ -239,9 +286,51 @@ Result<MapInfo> MapLibrary::find(std::string_view name) {
 }
 
 Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request) {
+  return retrying([&] { return put_once(name, request); });
+}
+
+Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request) {
+  if (!request.parameters_json) return store_entry(name, request);
+  auto found = find(name);
+  if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+  if (!found) return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+  const auto growing = this->growing(found->id);
+  const std::lock_guard lock(growing->mutex);
+  found = find(name);  // The change before this one may just have come.
+  if (!found) return found.error();
+  const auto merged = api::merged_parameters(found->parameters_json, *request.parameters_json);
+  if (!merged) return merged.error();
+  MapInfo remade = *found;
+  remade.parameters_json = *merged;
+  const auto outline = outline_of(remade);
+  if (!outline) return outline.error();
+  return store_entry(name, {request.description, request.lidar_json, *merged},
+                     storage::MapRemake{.expected_revision = found->revision, .outline = *outline});
+}
+
+Result<bool> MapLibrary::store_entry(std::string_view name, const api::PutMapRequest& request,
+                                     const std::optional<storage::MapRemake>& remake) {
   return stores_->with_maps([&](MapStore& maps) {
-    return maps.put(name, request.description, request.lidar_json, request.parameters_json, now_());
+    return maps.put(name, request.description, request.lidar_json, request.parameters_json, now_(),
+                    remake);
   });
+}
+
+/// Of what is made of the map's source with the parameters in `info`.
+Result<storage::MapOutline> MapLibrary::outline_of(const MapInfo& info) {
+  if (info.has_floor_map) {
+    const auto content = content_of_floor_map(info);
+    if (!content) return content.error();
+    return outline_from(content->features.size(), bounds_of(content->grid));
+  }
+  auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
+  if (!key_frames) return key_frames.error();
+  const auto mapper = mapper_of(std::move(*key_frames), mapper_params(info));
+  if (!mapper) {
+    return Error{ErrorCode::kInvalidArgument, mapper.error().message,
+                 "/parameters/grid/resolution_m"};
+  }
+  return outline_from(*mapper);
 }
 
 Result<void> MapLibrary::remove(std::string_view name) {
@@ -263,21 +352,11 @@ Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {
-  return grow_retrying(name, scans);
+  return retrying([&] { return grow_once(name, scans); });
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans) {
-  return grow_retrying(name, scans);
-}
-
-template <typename Scan>
-Result<MapGrowthReport> MapLibrary::grow_retrying(std::string_view name,
-                                                  std::span<const Scan> scans) {
-  for (int attempt = 1;; ++attempt) {
-    auto report = grow_once(name, scans);
-    if (report || attempt == kMaxRevisionAttempts || !is_worth_another_try(report.error()))
-      return report;
-  }
+  return retrying([&] { return grow_once(name, scans); });
 }
 
 template <typename Scan>
@@ -355,26 +434,33 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
 
 Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
                                            std::span<const api::StampedPose> poses) {
-  const auto found = find(name);
+  return retrying([&] { return set_trajectory_once(name, poses); });
+}
+
+Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
+                                                std::span<const api::StampedPose> poses) {
+  auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
-  return stores_->with_maps([&](MapStore& maps) -> Result<MapInfo> {
-    const auto current = maps.find(name);
-    if (!current) return current.error();
-    if (current->has_floor_map) return no_key_frames();
-    const auto key_frames = maps.key_frames(current->id);
-    if (!key_frames) return key_frames.error();
-    const auto moved = poses_of(*key_frames, poses);
-    if (!moved) return moved.error();
-    return maps.move_key_frames(current->id, current->revision, *moved, now_());
+  found = find(name);  // The change before this one may just have come.
+  if (!found) return found.error();
+  if (found->has_floor_map) return no_key_frames();
+  auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(found->id); });
+  if (!key_frames) return key_frames.error();
+  const auto moved = poses_of(*key_frames, poses);
+  if (!moved) return moved.error();
+  const auto mapper = mapper_of(moved_to(*moved, std::move(*key_frames)), mapper_params(*found));
+  if (!mapper) return Error{ErrorCode::kInvalidArgument, mapper.error().message, "/poses"};
+  return stores_->with_maps([&](MapStore& maps) {
+    return maps.move_key_frames(found->id, found->revision, *moved, outline_from(*mapper), now_());
   });
 }
 
 Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
                                                  std::span<const std::byte> image) {
   const auto floor_map = parse_map(yaml, image);
-  if (!floor_map) return at_part(floor_map.error());
+  if (!floor_map) return at_form(floor_map.error());
   const auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
   auto made = map_from_grid(
@@ -488,9 +574,9 @@ Result<void> MapLibrary::rebuild(GrowingMap& growing, const MapInfo& info) {
   growing.forget();
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
   if (!key_frames) return key_frames.error();
-  Mapper mapper(mapper_params(info));
-  for (PosedScan& key_frame : *key_frames) mapper.add(std::move(key_frame));
-  growing.mapper = std::move(mapper);
+  auto mapper = mapper_of(std::move(*key_frames), mapper_params(info));
+  if (!mapper) return too_large_now(mapper.error());
+  growing.mapper = std::move(*mapper);
   growing.revision = info.revision;
   return {};
 }

@@ -66,7 +66,8 @@ class MapLibrary {
   [[nodiscard]] Result<std::vector<storage::MapInfo>> list(std::string_view after,
                                                            std::size_t limit);
   [[nodiscard]] Result<storage::MapInfo> find(std::string_view name);
-  /// True when the map was created.
+  /// True when the map was created. Parameters join those that the map has; kInvalidArgument when
+  /// its grid would become too large with them.
   [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
   [[nodiscard]] Result<void> remove(std::string_view name);
 
@@ -101,7 +102,8 @@ class MapLibrary {
   [[nodiscard]] Result<OccupancyGrid> grid(const storage::MapInfo& info);
 
   /// Moves every key frame to the pose of its stamp (nearest within 1 ms). kInvalidArgument, with
-  /// the stamps that are missing, when some have none.
+  /// the stamps that are missing, when some have none, and when the map would spread beyond what
+  /// its grid can hold.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
                                                         std::span<const api::StampedPose> poses);
 
@@ -128,11 +130,14 @@ class MapLibrary {
   [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
   /// Either kind of scans.
   template <typename Scan>
-  [[nodiscard]] Result<MapGrowthReport> grow_retrying(std::string_view name,
-                                                      std::span<const Scan> scans);
-  template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
                                                   std::span<const Scan> scans);
+  [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
+  [[nodiscard]] Result<bool> store_entry(std::string_view name, const api::PutMapRequest& request,
+                                         const std::optional<storage::MapRemake>& remake = {});
+  [[nodiscard]] Result<storage::MapOutline> outline_of(const storage::MapInfo& info);
+  [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
+      std::string_view name, std::span<const api::StampedPose> poses);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);

@@ -7,6 +7,7 @@
 
 #include "api/json_codec.hpp"
 #include "api/report_codec.hpp"
+#include "server/entity_tag.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 
@@ -37,23 +38,18 @@ api::MapEntry entry_of(const MapInfo& info) {
 }
 
 Response invalid_map_name() {
-  return problem_response(
-      api::Problem{.status = 422,
-                   .code = "invalid_argument",
-                   .title = "Invalid argument",
-                   .detail = "A map's name matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}.",
-                   .errors = {{"/map", "not a valid name"}},
-                   .extra_json = {}});
+  api::Problem problem = api::make_problem(
+      ErrorCode::kInvalidArgument, "A map's name matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}.");
+  problem.errors = {{"/map", "not a valid name"}};
+  return problem_response(problem);
 }
 
 Response incomplete_form(std::vector<api::FieldError> missing) {
-  return problem_response(
-      api::Problem{.status = 422,
-                   .code = "invalid_argument",
-                   .title = "Invalid argument",
-                   .detail = "Send the parts yaml and image: -F yaml=@MAP.yaml -F image=@MAP.pgm",
-                   .errors = std::move(missing),
-                   .extra_json = {}});
+  api::Problem problem =
+      api::make_problem(ErrorCode::kInvalidArgument,
+                        "Send the parts yaml and image: -F yaml=@MAP.yaml -F image=@MAP.pgm");
+  problem.errors = std::move(missing);
+  return problem_response(problem);
 }
 
 Response no_such_feature(const std::string& id) {
@@ -66,7 +62,7 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
   const std::string tag = "W/\"" + info.digest + "-" + std::string(kind) + "\"";
   response.headers.emplace_back("ETag", tag);
   response.headers.emplace_back("Cache-Control", "no-cache");
-  if (request.if_none_match.find(tag) != std::string::npos) {
+  if (names_entity_tag(request.if_none_match, tag)) {
     response.status = 304;
     response.body.clear();
   }
@@ -119,8 +115,11 @@ class MapRoutes {
   }
 
   Response remove(const Request& request) {
-    const auto removed = maps().remove(request.captures[0]);
+    const auto info = maps().find(request.captures[0]);
+    if (!info) return error_response(request, info.error());
+    const auto removed = maps().remove(info->name);
     if (!removed) return error_response(request, removed.error());
+    services_.reports->forget(info->id);
     return Response{.status = 204};
   }
 

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -26,6 +27,8 @@ VirtualRobot robot_with(const std::optional<api::Lidar>& lidar) {
   return robot;
 }
 
+Error map_has_changed() { return {ErrorCode::kUnavailable, "the map has changed; ask again", ""}; }
+
 }  // namespace
 
 /// Under the service's mutex, but for `info`, which never changes.
@@ -35,13 +38,13 @@ struct ReportService::Job {
   const storage::MapInfo info;
   ReportView view;
   std::optional<Error> error;
-  bool is_outdated = false;  ///< The map has changed: nobody will ask for it.
+  bool is_outdated = false;  ///< The map has changed or is gone: nobody will ask for it.
 
   [[nodiscard]] bool is_finished() const { return view.report != nullptr || error.has_value(); }
 };
 
-ReportService::ReportService(std::shared_ptr<MapLibrary> maps)
-    : maps_(std::move(maps)), worker_([this] { work(); }) {}
+ReportService::ReportService(std::shared_ptr<MapLibrary> maps, Assess assess)
+    : maps_(std::move(maps)), assess_(std::move(assess)), worker_([this] { work(); }) {}
 
 ReportService::~ReportService() {
   close();
@@ -60,14 +63,25 @@ Result<ReportView> ReportService::get(const storage::MapInfo& info, std::chrono:
   if (!job) return Error{ErrorCode::kUnavailable, "too many reports wait to be made", ""};
   if (waiting_ < kMaxWaiting) {
     ++waiting_;
-    changed_.wait_for(lock, wait, [&] { return closing_ || job->is_finished(); });
+    changed_.wait_for(lock, wait,
+                      [&] { return closing_ || job->is_outdated || job->is_finished(); });
     --waiting_;
   }
+  if (job->is_outdated) return map_has_changed();
   if (job->error) {
     jobs_.remove(job);  // The next caller has it tried again.
     return *job->error;
   }
   return job->view;
+}
+
+void ReportService::forget(std::int64_t map_id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(jobs_, map_id, [](const auto& job) { return job->info.id; });
+  if (found == jobs_.end()) return;
+  (*found)->is_outdated = true;
+  jobs_.erase(found);
+  changed_.notify_all();
 }
 
 /// With the mutex held. Null when there is no room.
@@ -103,29 +117,34 @@ void ReportService::work() {
     });
     if (closing_) return;
     lock.unlock();
-    make(*next);
+    try {
+      make(*next);
+    } catch (const std::exception& exception) {
+      fail(*next, {ErrorCode::kInternal, exception.what(), ""});
+    }
     lock.lock();
     changed_.notify_all();
   }
 }
 
+void ReportService::fail(Job& job, Error error) {
+  const std::lock_guard lock(mutex_);
+  job.error = std::move(error);
+}
+
 void ReportService::make(Job& job) {
-  const auto fail = [&](Error error) {
-    const std::lock_guard lock(mutex_);
-    job.error = std::move(error);
-  };
   const auto lidar = maps_->lidar(job.info);
-  if (!lidar) return fail(lidar.error());
+  if (!lidar) return fail(job, lidar.error());
   const auto map = maps_->load(job.info);
-  if (!map) return fail(map.error());
+  if (!map) return fail(job, map.error());
   LocalizabilityParams params;
   params.robot = robot_with(*lidar);
-  auto report = assess_localizability(*map, params, [&](double share) {
+  auto report = assess_(*map, params, [&](double share) {
     const std::lock_guard lock(mutex_);
     job.view.progress = share;
     return !closing_ && !job.is_outdated;
   });
-  if (!report) return fail({ErrorCode::kUnavailable, "the map has changed; ask again", ""});
+  if (!report) return fail(job, map_has_changed());
   const std::lock_guard lock(mutex_);
   job.view = {.report = std::make_shared<const LocalizabilityReport>(std::move(*report)),
               .revision = (*map)->revision(),

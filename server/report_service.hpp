@@ -4,9 +4,12 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <cornerfix/localizability.hpp>
@@ -26,15 +29,21 @@ struct ReportView {
 /// threads may call.
 class ReportService {
  public:
-  explicit ReportService(std::shared_ptr<MapLibrary> maps);
+  using Assess = std::function<std::optional<LocalizabilityReport>(
+      const LocalizationMapPtr&, const LocalizabilityParams&, const AssessmentProgress&)>;
+
+  explicit ReportService(std::shared_ptr<MapLibrary> maps, Assess assess = assess_localizability);
   ~ReportService();
   ReportService(const ReportService&) = delete;
   ReportService& operator=(const ReportService&) = delete;
 
   /// The report of this revision; begun when it is not there, and waited for so long. Robots are
   /// simulated with the map's lidar if it names one with its beams, else with that of VirtualRobot.
-  /// kUnavailable when too many reports wait.
+  /// kUnavailable when too many reports wait, kInternal when making it threw.
   [[nodiscard]] Result<ReportView> get(const storage::MapInfo& info, std::chrono::seconds wait);
+
+  /// The map was deleted: gives its report up, and those who wait for it get kUnavailable.
+  void forget(std::int64_t map_id);
 
   /// Nobody waits any longer, and what is in work is given up.
   void close();
@@ -45,8 +54,10 @@ class ReportService {
   [[nodiscard]] std::shared_ptr<Job> find_or_begin(const storage::MapInfo& info);
   void work();
   void make(Job& job);
+  void fail(Job& job, Error error);
 
   std::shared_ptr<MapLibrary> maps_;
+  const Assess assess_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::list<std::shared_ptr<Job>> jobs_;  ///< Newest last.

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "server/entity_tag.hpp"
+
 namespace cornerfix::server {
 namespace {
 
@@ -76,7 +78,7 @@ std::optional<Response> StaticFiles::get(const PathSegments& path,
   const std::string tag = entity_tag(*file, response.body.size());
   // "no-cache" means: ask each time whether it changed, so an upgrade shows at once.
   response.headers = {{"ETag", tag}, {"Cache-Control", "no-cache"}};
-  if (if_none_match.find(tag) != std::string_view::npos) {
+  if (names_entity_tag(if_none_match, tag)) {
     response.status = 304;
     response.body.clear();
   }

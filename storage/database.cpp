@@ -104,6 +104,7 @@ Result<void> check_with_companions(const fs::path& path, bool alone, int busy_ti
 
 /// Nothing when `path` may be opened for writing. Changes neither the file nor its directory.
 Result<void> check_file(const fs::path& path, int busy_timeout_ms) {
+  if (fs::is_directory(path)) return Error{ErrorCode::kInvalidArgument, "is a directory", ""};
   if (!fs::exists(path) || (fs::is_regular_file(path) && fs::file_size(path) == 0)) return {};
 
   SQLite::Database connection(immutable_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);

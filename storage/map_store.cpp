@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 #include "storage/blob_codec.hpp"
@@ -73,16 +72,18 @@ Error unknown_map(std::string_view name) {
 
 Error deleted_map() { return Error{ErrorCode::kNotFound, "the map has been deleted", "map"}; }
 
+Error other_revision(std::uint64_t revision, std::uint64_t expected) {
+  return Error{ErrorCode::kConflict,
+               "the map is at revision " + std::to_string(revision) + ", expected " +
+                   std::to_string(expected),
+               "revision"};
+}
+
 /// The map if it is still at `revision`.
 Result<MapRow> find_at_revision(Database& database, std::int64_t id, std::uint64_t revision) {
   std::optional<MapRow> map = find_map(database, id);
   if (!map) return deleted_map();
-  if (map->info.revision != revision) {
-    return Error{ErrorCode::kConflict,
-                 "the map is at revision " + std::to_string(map->info.revision) + ", expected " +
-                     std::to_string(revision),
-                 "revision"};
-  }
+  if (map->info.revision != revision) return other_revision(map->info.revision, revision);
   return std::move(*map);
 }
 
@@ -191,28 +192,14 @@ Result<std::vector<PosedScan>> read_key_frames(Database& database, const MapInfo
   return key_frames;
 }
 
-/// The box around all lasers and their returns.
-void set_bounds(MapInfo& info, std::span<const PosedScan> key_frames) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Point2 low(kInfinity, kInfinity);
-  Point2 high = -low;
-  const auto include = [&](const Point2& point_map) {
-    low = low.cwiseMin(point_map);
-    high = high.cwiseMax(point_map);
-  };
-  for (const PosedScan& key_frame : key_frames) {
-    const Pose2 T_map_laser = key_frame.T_map_base_link * key_frame.T_base_link_laser;
-    include(T_map_laser.translation());
-    for (const Point2& point_laser : returns_as_points(key_frame.scan)) {
-      include(T_map_laser * point_laser);
-    }
-  }
-  info.has_bounds = !key_frames.empty();
-  if (!info.has_bounds) return;
-  info.min_x = low.x();
-  info.min_y = low.y();
-  info.max_x = high.x();
-  info.max_y = high.y();
+/// For a map that has content.
+void set_outline(MapInfo& info, const MapOutline& outline) {
+  info.feature_count = outline.feature_count;
+  info.has_bounds = true;
+  info.min_x = outline.min_x;
+  info.min_y = outline.min_y;
+  info.max_x = outline.max_x;
+  info.max_y = outline.max_y;
 }
 
 Result<MapContent> decode_content(BlobView features, BlobView descriptors, BlobView grid) {
@@ -257,11 +244,15 @@ Result<MapInfo> MapStore::find(std::string_view name) {
 
 Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view> description,
                            std::optional<std::string_view> lidar_json,
-                           std::optional<std::string_view> parameters_json, std::string_view now) {
+                           std::optional<std::string_view> parameters_json, std::string_view now,
+                           const std::optional<MapRemake>& remake) {
   return guarded([&]() -> Result<bool> {
     WriteTransaction transaction(*database_);
     std::optional<MapRow> stored = find_map(*database_, name);
     MapRow map = stored.value_or(MapRow{});
+    if (remake && remake->expected_revision != map.info.revision)
+      return other_revision(map.info.revision, remake->expected_revision);
+    if (remake && map.info.has_bounds) set_outline(map.info, remake->outline);
     map.info.name = name;
     const bool described = replace(map.info.description, description);
     const bool other_lidar = replace(map.info.lidar_json, lidar_json);
@@ -451,7 +442,7 @@ Result<OccupancyGrid> MapStore::floor_map(std::int64_t map_id) {
 
 Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t expected_revision,
                                           std::span<const Pose2> T_map_base_link,
-                                          std::string_view now) {
+                                          const MapOutline& outline, std::string_view now) {
   return guarded([&]() -> Result<MapInfo> {
     WriteTransaction transaction(*database_);
     Result<MapRow> map = find_at_revision(*database_, map_id, expected_revision);
@@ -471,7 +462,7 @@ Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t exp
     rewrite_key_frames(*database_, *map, *key_frames);
     const bool drifted = std::exchange(map->info.drifts, false);
     if (!drifted && map->chain == chain_before) return std::move(map->info);  // Nothing has moved.
-    set_bounds(map->info, *key_frames);
+    if (!key_frames->empty()) set_outline(map->info, outline);
     map->info.updated = now;
     seal_revision(*map);
     update_map(*database_, *map);

@@ -44,6 +44,18 @@ struct MapInfo {
   bool drifts = false;
 };
 
+/// What a map's entry says of what is derived from its content.
+struct MapOutline {
+  std::size_t feature_count = 0;
+  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds [m].
+};
+
+/// What other parameters make of a map, worked out from its content.
+struct MapRemake {
+  std::uint64_t expected_revision = 0;  ///< Of that content; 0: there is no such map.
+  MapOutline outline{};                 ///< Of no meaning for a map without content.
+};
+
 /// What POST …/scans adds in one transaction.
 struct MapGrowth {
   std::span<const double> stamps;  ///< Of all accepted scans, key frames or not: for `duplicates`.
@@ -78,11 +90,13 @@ class MapStore {
   [[nodiscard]] Result<MapInfo> find(std::string_view name);  ///< kNotFound.
 
   /// Creates (true) or describes (false) a map. Parts that are nullopt stay as they are.
-  /// A description alone does not change the revision; lidar and parameters do.
+  /// A description alone does not change the revision; lidar and parameters do. kConflict when
+  /// the map is not at the revision of `remake`.
   [[nodiscard]] Result<bool> put(std::string_view name, std::optional<std::string_view> description,
                                  std::optional<std::string_view> lidar_json,
                                  std::optional<std::string_view> parameters_json,
-                                 std::string_view now);
+                                 std::string_view now,
+                                 const std::optional<MapRemake>& remake = std::nullopt);
   [[nodiscard]] Result<void> remove(std::string_view name);
 
   /// Which of `stamps` the map already holds, same order.
@@ -109,13 +123,12 @@ class MapStore {
 
   /// The floor map as it was put; kNotFound for a map that was not made from one.
   [[nodiscard]] Result<OccupancyGrid> floor_map(std::int64_t map_id);
-  /// New poses for all key frames, in their order; derived content becomes stale and the bounds are
-  /// those of the moved lasers and their returns. The map no longer drifts. The revision stays when
-  /// nothing differs.
+  /// New poses for all key frames, in their order, and what the map becomes with them; derived
+  /// content becomes stale. The map no longer drifts. The revision stays when nothing differs.
   [[nodiscard]] Result<MapInfo> move_key_frames(std::int64_t map_id,
                                                 std::uint64_t expected_revision,
                                                 std::span<const Pose2> T_map_base_link,
-                                                std::string_view now);
+                                                const MapOutline& outline, std::string_view now);
 
   /// Derived content of the map if it is stored (of whatever revision); the caller compares
   /// revisions.

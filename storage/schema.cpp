@@ -93,7 +93,14 @@ constexpr const char* kAddDrift = R"sql(
 ALTER TABLE maps ADD COLUMN drifts INTEGER NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array<const char*, 3> kMigrations = {kCreateTables, kCreateMapGrids, kAddDrift};
+// What a session knows beside what it was asked for; 0 where that is not known.
+constexpr const char* kRememberMapsAndBeams = R"sql(
+ALTER TABLE session_maps ADD COLUMN map_id INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE sessions ADD COLUMN beams INTEGER NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array<const char*, 4> kMigrations = {kCreateTables, kCreateMapGrids, kAddDrift,
+                                                    kRememberMapsAndBeams};
 
 }  // namespace
 

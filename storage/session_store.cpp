@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/Database.h>
 
+#include <cassert>
 #include <unordered_map>
 #include <utility>
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::string_view kSelectSession =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state FROM sessions WHERE id = ?";
+    "state, beams FROM sessions WHERE id = ?";
 
 Error unknown_session(std::string_view id) {
   return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
@@ -50,20 +51,21 @@ std::vector<SubmapScanKey> sync_submap(Database& database, std::int64_t session,
 }
 
 void write_answer(Database& database, std::int64_t session, std::uint64_t expected_sequence,
-                  std::string_view last_answer, BlobView state) {
+                  std::string_view last_answer, BlobView state, std::size_t beams) {
   Statement(database,
-            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ? "
+            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, beams = ? "
             "WHERE number = ?")
-      .bind(expected_sequence, last_answer, state, session)
+      .bind(expected_sequence, last_answer, state, beams, session)
       .run();
 }
 
-std::vector<std::string> read_maps(Database& database, std::int64_t session) {
-  Statement statement(database, "SELECT map FROM session_maps WHERE session = ? ORDER BY ordinal");
-  statement.bind(session);
-  std::vector<std::string> maps;
-  while (statement.step()) maps.push_back(statement.text(0));
-  return maps;
+void read_maps(Database& database, std::int64_t session, SessionRecord& record) {
+  Statement statement(database,
+                      "SELECT map, map_id FROM session_maps WHERE session = ? ORDER BY ordinal");
+  for (statement.bind(session); statement.step();) {
+    record.maps.push_back(statement.text(0));
+    record.map_ids.push_back(statement.integer(1));
+  }
 }
 
 /// The session's submap scans in the order of `keys`.
@@ -102,11 +104,12 @@ Result<std::optional<SessionRecord>> read_session(Database& database, std::strin
   record.id = row.text(1);
   record.robot = row.text(2);
   record.created = row.text(3);
-  record.maps = read_maps(database, session);
+  read_maps(database, session, record);
   record.lidar_json = row.text(4);
   record.options_json = row.text(5);
   record.expected_sequence = row.number(6);
   record.last_answer = row.text(7);
+  record.beams = row.number(9);
   Result<LocalizerState> state = read_state(database, session, row.blob(8));
   if (!state) {
     return Error{state.error().code, "session " + record.id + ": " + state.error().message,
@@ -145,6 +148,7 @@ SessionStore::~SessionStore() = default;
 SessionStore::SessionStore(SessionStore&&) noexcept = default;
 
 Result<void> SessionStore::insert(const SessionRecord& record) {
+  assert(record.map_ids.size() == record.maps.size() && "an id a map");
   return guarded([&]() -> Result<void> {
     WriteTransaction transaction(*database_);
     const Blob no_state = encode_localizer_state({}, {});
@@ -155,14 +159,15 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
               BlobView(no_state))
         .run();
     const std::int64_t session = database_->connection().getLastInsertRowid();
-    Statement map(*database_, "INSERT INTO session_maps (session, ordinal, map) VALUES (?, ?, ?)");
+    Statement map(*database_,
+                  "INSERT INTO session_maps (session, ordinal, map, map_id) VALUES (?, ?, ?, ?)");
     for (std::size_t i = 0; i < record.maps.size(); ++i) {
-      map.bind(session, i, record.maps[i]).run();
+      map.bind(session, i, record.maps[i], record.map_ids[i]).run();
     }
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, session, record.state.submap, {});
     write_answer(*database_, session, record.expected_sequence, record.last_answer,
-                 encode_localizer_state(record.state, submap));
+                 encode_localizer_state(record.state, submap), record.beams);
     transaction.commit();
     return {};
   });
@@ -182,7 +187,7 @@ Result<void> SessionStore::update(std::string_view id, const SessionUpdate& upda
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, stored->number, update.state->submap, std::move(stored->submap));
     write_answer(*database_, stored->number, update.expected_sequence, update.last_answer,
-                 encode_localizer_state(*update.state, submap));
+                 encode_localizer_state(*update.state, submap), update.beams);
     transaction.commit();
     return {};
   });

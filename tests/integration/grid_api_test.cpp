@@ -94,7 +94,7 @@ TEST_F(GridApiTest, IsMadeAnewAfterARestartAndWithOtherParameters) {
   const Json before = client_.get("/v1/maps/plan/features").json();
   client_.put("/v1/maps/plan", {{"parameters", {{"min_feature_count", 1000}}}});
   EXPECT_THAT(client_.get("/v1/maps/plan/features").json()["features"], IsEmpty());
-  client_.put("/v1/maps/plan", {{"parameters", Json::object()}});
+  client_.put("/v1/maps/plan", {{"parameters", {{"min_feature_count", 2}}}});
   EXPECT_EQ(client_.get("/v1/maps/plan/features").json()["features"], before["features"]);
 }
 
@@ -126,13 +126,14 @@ TEST_F(GridApiTest, BadFilesGetAClearErrorAndStoreNothing) {
     std::string says;
   };
   for (const Case& bad : {
-           Case{form(room_.yaml, huge), 413, "100000 x 100000"},
-           Case{form(nan, room_.image), 422, "/origin"},
-           Case{form(zero, room_.image), 422, "/resolution"},
+           Case{form(room_.yaml, huge), 413, R"("pointer":"/image","detail":"100000 x 100000)"},
+           Case{form(nan, room_.image), 422, R"("pointer":"/yaml/origin")"},
+           Case{form(zero, room_.image), 422, R"("pointer":"/yaml/resolution")"},
+           Case{form("resolution: 1", room_.image), 422, R"("pointer":"/yaml/image")"},
            Case{form(room_.yaml, one_by_one), 422, "no occupied cell"},
            Case{form(room_.yaml, "GIF89a"), 400, "neither"},
            Case{form(room_.yaml, room_.image.substr(0, 200)), 400, "png"},
-           Case{form("[", room_.image), 400, "yaml"},
+           Case{form("[", room_.image), 400, R"("pointer":"/yaml")"},
            Case{part("yaml", room_.yaml) + "--xyz--\r\n", 422, "/image"},
            Case{part("yaml", "a") + form("a", "b"), 400, "twice"},
            Case{"no form at all", 400, "form"},

@@ -212,7 +212,11 @@ TEST_F(HttpRulesTest, RefusesWhatIsNoHttpWithAProblem) {
   EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 400"), HasSubstr("application/problem+json")));
   const std::string long_line =
       exchange_bytes(server_.port(), "GET /" + std::string(9000, 'a') + " HTTP/1.1\r\n\r\n");
-  EXPECT_THAT(long_line, StartsWith("HTTP/1.1 414"));
+  EXPECT_THAT(long_line, AllOf(StartsWith("HTTP/1.1 414"), HasSubstr("uri_too_long"),
+                               Not(HasSubstr("X-Request-Id: \r\n"))));
+  const std::string long_header = exchange_bytes(
+      server_.port(), "GET /healthz HTTP/1.1\r\nX-Long: " + std::string(9000, 'a') + "\r\n\r\n");
+  EXPECT_THAT(long_header, AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("headers_too_large")));
   EXPECT_THAT(raw("GET /" + std::string(5000, 'a') + " HTTP/1.1\r\nHost: a\r\n"),
               StartsWith("HTTP/1.1 414"));
   EXPECT_TRUE(is_alive());

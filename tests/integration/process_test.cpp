@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 
 #include "integration/test_server.hpp"
@@ -172,6 +173,7 @@ TEST_F(ProcessTest, NeverSharesAPort) {
   ServerProcess second(same);
   EXPECT_THAT(second.first_line(), IsEmpty());
   EXPECT_EQ(second.wait(), 1);
+  EXPECT_FALSE(std::filesystem::exists(same[1])) << "nothing is left behind";
 }
 
 TEST_F(ProcessTest, RefusesWrongUse) {

@@ -345,6 +345,22 @@ TEST(Trajectory, TakesStampedPosesInAnyOrder) {
   EXPECT_EQ(request.poses[0].T_map_base_link, (Pose2{1.0, 2.0, wrap_angle(7.0)}));
 }
 
+TEST(MergedParameters, KeepWhatIsNotGiven) {
+  EXPECT_EQ(merged_parameters("", R"({"extractor": "vfp"})").value(), R"({"extractor":"vfp"})");
+  EXPECT_EQ(merged_parameters(R"({"extractor": "vfp", "grid": {"max_range_m": 9}})",
+                              R"({"grid": {"resolution_m": 0.1}, "extractor": null})")
+                .value(),
+            R"({"extractor":"vfp","grid":{"max_range_m":9,"resolution_m":0.1}})");
+}
+
+TEST(MergedParameters, AreRefusedWhenTheyDoNotGoTogether) {
+  const auto merged = merged_parameters(R"({"descriptors": {"distance_resolution_m": 0.01}})",
+                                        R"({"descriptors": {"max_distance_m": 1000}})");
+  ASSERT_FALSE(merged);
+  EXPECT_EQ(merged.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(merged.error().field, ::testing::StartsWith("/parameters/descriptors/"));
+}
+
 TEST(Bbox, IsTwoOppositeCorners) {
   const auto box = taken(parse_bbox("5,-1,2.5,3"));
   EXPECT_EQ(box.min, Point2(2.5, -1.0));

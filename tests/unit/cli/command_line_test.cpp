@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@ namespace cornerfix::cli {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 struct Outcome {
   int exit_code = 0;
@@ -266,12 +268,85 @@ TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   EXPECT_THAT(second.err, HasSubstr("nothing was added"));
 }
 
+TEST_F(CommandLine, ImportsALargePgmInASmallBody) {
+  const std::string yaml =
+      directory_.write("map.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
+          .string();
+  directory_.write("map.pgm", "P5 4096 4096 255\n" + std::string(4096 * 4096, '\xfe'));
+  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, R"({"features": 5})"}; });
+  const Outcome outcome =
+      run({"map", "import", "attic", yaml.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 1U);
+  EXPECT_LT(requests[0].length, 1'000'000U);
+  EXPECT_GT(requests[0].length, 100U);
+}
+
+TEST_F(CommandLine, NamesTheCommandThatThereIsNot) {
+  EXPECT_THAT(run({"dance"}).err, HasSubstr("there is no command dance\n"));
+  EXPECT_THAT(run({"map", "dance", "--quickly"}).err, HasSubstr("there is no command dance\n"));
+  EXPECT_THAT(run({"map"}).err, HasSubstr("subcommand is required"));
+  EXPECT_THAT(run({"map", "show"}).err, HasSubstr("NAME is required"));
+}
+
+TEST_F(CommandLine, TellsTheRangeOfANumberInAFewWords) {
+  const std::string log = directory_.write("a.jsonl", walk(3)).string();
+  for (const char* number : {"0", "-1", "inf", "many"}) {
+    EXPECT_THAT(run({"evaluate", log.c_str(), "--starts", number}).err,
+                HasSubstr("--starts: expected a number above 0, not " + std::string(number)));
+  }
+  EXPECT_THAT(run({"replay", log.c_str(), "--rate", "-1"}).err,
+              HasSubstr("--rate: expected a number from 0 on, not -1"));
+  EXPECT_THAT(run({"evaluate", "--help"}).out, Not(HasSubstr("0000000")));
+}
+
 TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
   const std::string database = (directory_.path() / "maps.db").string();
-  const Outcome outcome = run({"map", "build", "a/b", log.c_str(), "--db", database.c_str()});
+  for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+           {"map", "build", "a/b", log.c_str(), "--db", database.c_str()},
+           {"map", "restore", "a/b", log.c_str()},
+           {"map", "show", "a/b"},
+           {"replay", log.c_str(), "--map", "a/b"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("a/b is no name for a map"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(database));
+}
+
+TEST_F(CommandLine, EndsWithTwoWhereAFileIsMissingOrADirectory) {
+  const std::string directory = directory_.path().string();
+  for (const auto& [file, says] :
+       {std::pair("/no/such/file", "does not exist"), std::pair(directory.c_str(), "directory")}) {
+    for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+             {"map", "restore", "a", file}, {"serve", "--db", "a.db", "--config", file}}) {
+      const Outcome outcome = run(arguments);
+      EXPECT_EQ(outcome.exit_code, 2);
+      EXPECT_THAT(outcome.err, HasSubstr(says));
+    }
+  }
+}
+
+TEST_F(CommandLine, SaysThatADatabaseIsADirectory) {
+  const std::string directory = directory_.path().string();
+  const Outcome outcome = run({"serve", "--db", directory.c_str(), "--port", "0"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("a/b: is no name for a map"));
+  EXPECT_THAT(outcome.err, HasSubstr("is a directory"));
+}
+
+TEST_F(CommandLine, SaysThatAFileToRestoreIsEmpty) {
+  const std::string file = directory_.write("a.cornerfix", "").string();
+  const Outcome outcome = run({"map", "restore", "a", file.c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("is empty"));
+}
+
+TEST_F(CommandLine, TakesHttpServersOnly) {
+  const Outcome outcome = run({"map", "list", "--server", "ftp://x"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("not ftp://x"));
 }
 
 /// A server that finds the robot at the third batch.

@@ -38,7 +38,8 @@ class FakeServer::Impl {
     const std::lock_guard lock(mutex_);
     requests_.push_back({request.method, request.target, request.body,
                          request.get_header_value("Content-Type"),
-                         request.get_header_value("Authorization")});
+                         request.get_header_value("Authorization"),
+                         request.get_header_value<std::uint64_t>("Content-Length")});
     const FakeAnswer answer = answer_(requests_.back());
     response.status = answer.status;
     if (!answer.retry_after.empty()) response.set_header("Retry-After", answer.retry_after);

@@ -1,6 +1,7 @@
 /// \file  An HTTP server on a free port that answers as a test wants and remembers what was asked.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@ struct FakeRequest {
   std::string body;
   std::string content_type;
   std::string authorization;
+  std::uint64_t length;  ///< Of the body, also of a form, which is not in `body`.
 };
 
 struct FakeAnswer {

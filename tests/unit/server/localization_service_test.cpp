@@ -83,6 +83,24 @@ TEST_F(LocalizationServiceTest, TakesANewMapInWhenItSearchesAll) {
   EXPECT_THAT(last, HasSubstr("localized in office"));
 }
 
+TEST_F(LocalizationServiceTest, LeavesOutAMapThatCannotBeLoadedWhenItSearchesAll) {
+  make_map(process_, "broken");
+  const auto broken = *process_.maps->find("broken");
+  std::vector<Pose2> poses(broken.key_frame_count);
+  poses.back() = {20'000.0, 20'000.0, 0.0};
+  ASSERT_TRUE(process_.stores->with_maps([&](storage::MapStore& maps) {
+    return maps.move_key_frames(broken.id, broken.revision, poses, {}, kNow);
+  }));
+  ASSERT_EQ(process_.maps->load("broken").error().code, ErrorCode::kConflict);
+  const std::string id = create(process_, {});
+  std::string last;
+  for (std::uint64_t i = 0; i < 10; ++i) last = answer(process_, id, batch(i));
+  EXPECT_THAT(last, HasSubstr("localized in office"));
+
+  const std::string named = create(process_, {"office", "broken"});
+  EXPECT_EQ(service_.post_scans(named, batch(0)).error().code, ErrorCode::kConflict);
+}
+
 TEST_F(LocalizationServiceTest, KnowsNoMapOrSessionThatIsNotThere) {
   api::CreateSessionRequest request;
   request.robot = "cart-7";
@@ -120,6 +138,17 @@ TEST_F(LocalizationServiceTest, TakesNoHugeSequenceForTheOneBeforeTheFirst) {
   auto request = batch(0);
   request.sequence = std::numeric_limits<std::uint64_t>::max();
   EXPECT_EQ(service_.post_scans(create(process_), request)->expected_sequence, 0U);
+}
+
+TEST_F(LocalizationServiceTest, TellsStampsThatAreNearToEachOtherApart) {
+  const std::string id = create(process_);
+  auto request = batch(0);
+  for (std::size_t i = 0; i < 3; ++i) request.scans[i].scan.stamp = 1e9 + static_cast<double>(i);
+  answer(process_, id, request);
+  request.sequence = 1;
+  request.scans[0].scan.stamp = 1e9 + 2.0 - 1.2e-7;
+  EXPECT_THAT(service_.post_scans(id, request).error().message,
+              HasSubstr("1000000001.9999999 is not after 1000000002"));
 }
 
 TEST_F(LocalizationServiceTest, RefusesStampsThatDoNotIncreaseAndChangesNothing) {
@@ -201,6 +230,26 @@ TEST_F(LocalizationServiceTest, RefusesABatchWhenItsMapWasDeleted) {
   EXPECT_EQ(answer(process_, id, batch(0)), first);
   make_map(process_, "office");  // Another map of the same name.
   EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(LocalizationServiceTest,
+       KnowsItsMapFromAnotherOfThatNameBeforeTheFirstBatchAndInAnotherProcess) {
+  const std::string id = create(process_);
+  ASSERT_TRUE(process_.maps->remove("office"));
+  make_map(process_, "office");
+  EXPECT_EQ(service_.post_scans(id, batch(0)).error().code, ErrorCode::kConflict);
+  Process restarted(file());
+  EXPECT_EQ(restarted.localization.post_scans(id, batch(0)).error().code, ErrorCode::kConflict);
+}
+
+TEST_F(LocalizationServiceTest, RemembersTheNumberOfBeamsOfScansThatShowedNothing) {
+  const std::string id = create(process_);
+  auto blind = batch(0);
+  for (RobotScan& scan : blind.scans) scan.scan.ranges.assign(360, 1e3F);
+  answer(process_, id, blind);
+  ASSERT_TRUE(service_.reset(id));
+  Process restarted(file());
+  EXPECT_EQ(restarted.localization.head(id)->lidar.beams, 360U);
 }
 
 TEST_F(LocalizationServiceTest, LeavesADeletedMapWhenItSearchesAll) {

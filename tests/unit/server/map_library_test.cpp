@@ -22,6 +22,11 @@ class MapLibraryTest : public ServiceTest {
   std::span<const PosedScan> part(std::size_t begin, std::size_t count) const {
     return std::span(drive_).subspan(begin, count);
   }
+  static api::PutMapRequest parameters(const std::string& json) {
+    api::PutMapRequest request;
+    request.parameters_json = json;
+    return request;
+  }
   std::vector<api::StampedPose> trajectory(const Pose2& T) const {
     std::vector<api::StampedPose> poses;
     for (const PosedScan& scan : drive_) {
@@ -185,10 +190,12 @@ TEST_F(MapLibraryTest, StoresWhatItMadeForOthers) {
 TEST_F(MapLibraryTest, MovesKeyFramesToATrajectory) {
   make_map(process_, "office");
   const auto before = *maps_.load("office");
+  const double max_x_before = maps_.find("office")->max_x;
   const Pose2 T{3.0, -1.0, 0.0};
   const auto moved = maps_.set_trajectory("office", trajectory(T));
   ASSERT_TRUE(moved) << moved.error().message;
   EXPECT_GT(moved->revision, before->revision());
+  EXPECT_NEAR(moved->max_x, max_x_before + 3.0, 1e-9);
   const auto after = *maps_.load("office");
   ASSERT_EQ(after->features().size(), before->features().size());
   EXPECT_NEAR(after->features()[0].position.x(), before->features()[0].position.x() + 3.0, 1e-6);
@@ -204,10 +211,36 @@ TEST_F(MapLibraryTest, RefusesATrajectoryWithGaps) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(refused.error().field, "/poses");
-  EXPECT_THAT(refused.error().message, HasSubstr("100.000"));
-  EXPECT_THAT(refused.error().message, HasSubstr("102.000"));
+  EXPECT_THAT(refused.error().message, HasSubstr("at stamps 100, 102"));
   EXPECT_EQ(maps_.find("office")->digest, before.digest);
   EXPECT_EQ(maps_.find("office")->revision, before.revision);
+}
+
+TEST_F(MapLibraryTest, RefusesATrajectoryBeyondWhatAGridCanHold) {
+  make_map(process_, "office");
+  const auto before = *maps_.find("office");
+  auto poses = trajectory({});
+  for (auto pose = poses.end() - 20; pose != poses.end(); ++pose) {
+    pose->T_map_base_link.x = pose->T_map_base_link.y = 20'000.0;
+  }
+  const auto refused = maps_.set_trajectory("office", poses);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/poses");
+  EXPECT_THAT(refused.error().message, HasSubstr("more than its grid can hold"));
+  EXPECT_EQ(maps_.find("office")->revision, before.revision);
+  EXPECT_TRUE(maps_.load("office"));
+}
+
+TEST_F(MapLibraryTest, TellsTheFeaturesOfAMovedMapAtOnce) {
+  make_map(process_, "office");
+  auto poses = trajectory({});
+  for (std::size_t i = 0; i < poses.size(); i += 2) poses[i].T_map_base_link.x += 0.5;
+  const auto moved = maps_.set_trajectory("office", poses);
+  ASSERT_TRUE(moved);
+  const auto map = *maps_.load("office");
+  EXPECT_EQ(moved->feature_count, map->features().size());
+  EXPECT_EQ(maps_.find("office")->feature_count, map->features().size());
 }
 
 TEST_F(MapLibraryTest, TakesStampsWithinAMillisecond) {
@@ -221,12 +254,50 @@ TEST_F(MapLibraryTest, TakesStampsWithinAMillisecond) {
 TEST_F(MapLibraryTest, MakesFeaturesAnewWhenParametersChange) {
   make_map(process_, "office");
   const auto before = *maps_.load("office");
-  api::PutMapRequest request;
-  request.parameters_json = R"({"min_feature_count": 1})";
-  ASSERT_FALSE(*maps_.put("office", request));
+  ASSERT_FALSE(*maps_.put("office", parameters(R"({"min_feature_count": 1})")));
   const auto after = *maps_.load("office");
   EXPECT_GT(after->revision(), before->revision());
   EXPECT_GE(after->features().size(), before->features().size());
+}
+
+TEST_F(MapLibraryTest, TellsTheFeaturesOfOtherParametersAtOnce) {
+  make_map(process_, "office");
+  ASSERT_TRUE(maps_.put("office", parameters(R"({"min_feature_count": 40})")));
+  EXPECT_EQ(maps_.find("office")->feature_count, (*maps_.load("office"))->features().size());
+
+  const OccupancyGrid grid = (*maps_.load("office"))->grid();
+  ASSERT_TRUE(maps_.put_floor_map("plan", encode_grid_yaml(grid, "p.png"), encode_grid_png(grid)));
+  ASSERT_TRUE(maps_.put("plan", parameters(R"({"features": {"suppression_radius_m": 3}})")));
+  EXPECT_EQ(maps_.find("plan")->feature_count, (*maps_.load("plan"))->features().size());
+}
+
+TEST_F(MapLibraryTest, RefusesParametersWithWhichAGridCannotHoldTheMap) {
+  ASSERT_TRUE(maps_.put("office", parameters(R"({"grid": {"resolution_m": 1}})")));
+  drive_.back().T_map_base_link.x += 2000.0;
+  drive_.back().T_map_base_link.y += 2000.0;
+  ASSERT_TRUE(maps_.grow("office", drive_));
+  const auto before = *maps_.find("office");
+  api::PutMapRequest request = parameters(R"({"grid": {"resolution_m": 0.01}})");
+  request.description = "finer";
+  const auto refused = maps_.put("office", request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/parameters/grid/resolution_m");
+  EXPECT_EQ(maps_.find("office")->revision, before.revision);
+  EXPECT_EQ(maps_.find("office")->description, before.description);
+}
+
+TEST_F(MapLibraryTest, KeepsParametersThatAreNotGiven) {
+  ASSERT_TRUE(
+      maps_.put("office", parameters(R"({"extractor": "vfp", "grid": {"max_range_m": 9}})")));
+  ASSERT_TRUE(maps_.put("office", parameters(R"({"grid": {"resolution_m": 0.1}})")));
+  const MapperParams params = api::mapper_params_from_json(maps_.find("office")->parameters_json);
+  EXPECT_EQ(params.extractor, CornerExtractor::kVfp);
+  EXPECT_EQ(params.grid.max_range_m, 9.0);
+  EXPECT_EQ(params.grid.resolution_m, 0.1);
+  const auto revision = maps_.find("office")->revision;
+  ASSERT_TRUE(maps_.put("office", parameters(R"({"extractor": "vfp"})")));
+  EXPECT_EQ(maps_.find("office")->revision, revision);
 }
 
 TEST_F(MapLibraryTest, ListsByPage) {

@@ -19,6 +19,9 @@ using ::testing::SizeIs;
 
 class MapStoreTest : public ::testing::Test {
  protected:
+  static constexpr MapOutline kOutline{
+      .feature_count = 7, .min_x = 11.0, .min_y = 20.0, .max_x = 13.0, .max_y = 23.0};
+
   MapInfo make_map(const std::string& name = "office") {
     EXPECT_TRUE(store_.put(name, std::nullopt, std::nullopt, std::nullopt, "t0").value());
     return store_.find(name).value();
@@ -121,6 +124,28 @@ TEST_F(MapStoreTest, GivesANewRevisionToOtherParametersOrAnotherLidar) {
   ASSERT_TRUE(store_.put("office", std::nullopt, std::nullopt, "params", "t1"));
   ASSERT_TRUE(store_.put("office", std::nullopt, "lidar", std::nullopt, "t2"));
   EXPECT_EQ(store_.find("office")->revision, before.revision + 2);
+}
+
+TEST_F(MapStoreTest, OutlinesAMapWithOtherParametersIfItIsAtTheExpectedRevision) {
+  const MapInfo map = grow(make_map(), 1);
+  const auto put = [&](std::uint64_t revision) {
+    return store_.put("office", "d", std::nullopt, "params", "t1",
+                      MapRemake{.expected_revision = revision, .outline = kOutline});
+  };
+  const std::string before = dump();
+  EXPECT_EQ(put(map.revision - 1).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(put(0).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(dump(), before);
+  ASSERT_TRUE(put(map.revision));
+  EXPECT_EQ(store_.find("office")->feature_count, kOutline.feature_count);
+  EXPECT_EQ(store_.find("office")->max_y, kOutline.max_y);
+}
+
+TEST_F(MapStoreTest, OutlinesNoMapWithoutContent) {
+  ASSERT_TRUE(store_.put("office", std::nullopt, std::nullopt, "params", "t0",
+                         MapRemake{.expected_revision = 0, .outline = kOutline}));
+  EXPECT_EQ(store_.find("office")->feature_count, 0U);
+  EXPECT_FALSE(store_.find("office")->has_bounds);
 }
 
 TEST_F(MapStoreTest, KeepsTheRevisionWhenTheSameIsPutAgain) {
@@ -281,7 +306,7 @@ TEST_F(MapStoreTest, MovesEveryKeyFrameAndNothingElseOfIt) {
     key_frame.T_map_base_link = {10.0 + static_cast<double>(poses.size()), -0.0, 1.0};
     poses.push_back(key_frame.T_map_base_link);
   }
-  const MapInfo moved = store_.move_key_frames(map.id, map.revision, poses, "t5").value();
+  const MapInfo moved = store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5").value();
   EXPECT_TRUE(is_same(store_.key_frames(map.id).value(), expected));
   EXPECT_EQ(moved.revision, map.revision + 1);
   EXPECT_EQ(moved.updated, "t5");
@@ -289,39 +314,36 @@ TEST_F(MapStoreTest, MovesEveryKeyFrameAndNothingElseOfIt) {
   EXPECT_EQ(store_.find("office")->digest, moved.digest);
 }
 
-TEST_F(MapStoreTest, PutsTheBoundsAroundMovedLasersAndReturns) {
-  PosedScan key_frame;
-  key_frame.scan = {.stamp = 1.0,
-                    .angle_min = 0.0,
-                    .angle_increment = 1.5707963267948966,
-                    .range_min = 0.1,
-                    .range_max = 10.0,
-                    .ranges = {2.0F, 3.0F, std::numeric_limits<float>::quiet_NaN()}};
-  key_frame.T_base_link_laser = {1.0, 0.0, 0.0};
-  const MapInfo map = grow(make_map(), {key_frame});
+TEST_F(MapStoreTest, OutlinesAMovedMapAsToldAndLeavesAnEmptyOneWithoutBounds) {
+  const MapInfo map = grow(make_map(), 1);
   const std::vector<Pose2> poses = {{10.0, 20.0, 0.0}};
-  const MapInfo moved = store_.move_key_frames(map.id, map.revision, poses, "t5").value();
-  EXPECT_NEAR(moved.min_x, 11.0, 1e-9);
-  EXPECT_NEAR(moved.min_y, 20.0, 1e-9);
-  EXPECT_NEAR(moved.max_x, 13.0, 1e-9);
-  EXPECT_NEAR(moved.max_y, 23.0, 1e-9);
+  ASSERT_TRUE(store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5"));
+  const MapInfo moved = store_.find("office").value();
+  EXPECT_EQ(moved.feature_count, kOutline.feature_count);
+  EXPECT_EQ(std::vector({moved.min_x, moved.min_y, moved.max_x, moved.max_y}),
+            std::vector({11.0, 20.0, 13.0, 23.0}));
+  const MapInfo empty = make_map("empty");
+  const auto unmoved = store_.move_key_frames(empty.id, empty.revision, {}, kOutline, "t5");
+  EXPECT_FALSE(unmoved->has_bounds);
 }
 
 TEST_F(MapStoreTest, KeepsTheRevisionWhenNothingMoves) {
   const std::vector<PosedScan> key_frames = sample_key_frames(2);
   const MapInfo map = grow(make_map(), key_frames);
   const std::vector<Pose2> poses = {key_frames[0].T_map_base_link, key_frames[1].T_map_base_link};
-  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, poses, "t5")->revision, map.revision);
+  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5")->revision,
+            map.revision);
 }
 
 TEST_F(MapStoreTest, RefusesATrajectoryOfAnotherLengthOrRevision) {
   const MapInfo map = grow(make_map(), 3);
   const std::string before = dump();
   const std::vector<Pose2> poses(3, Pose2{1.0, 2.0, 3.0});
-  EXPECT_EQ(
-      store_.move_key_frames(map.id, map.revision, std::span(poses).first(2), "t5").error().code,
-      ErrorCode::kInvalidArgument);
-  EXPECT_EQ(store_.move_key_frames(map.id, map.revision + 1, poses, "t5").error().code,
+  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, std::span(poses).first(2), kOutline, "t5")
+                .error()
+                .code,
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(store_.move_key_frames(map.id, map.revision + 1, poses, kOutline, "t5").error().code,
             ErrorCode::kConflict);
   EXPECT_EQ(dump(), before);
 }
@@ -348,7 +370,7 @@ TEST_F(MapStoreTest, HasTheDigestOfTheMovedContentAsIfItHadBeenMappedSo) {
   const MapInfo moved_away = [&] {
     const MapInfo map = grow(make_map("moved"), key_frames);
     const std::vector<Pose2> poses(3, Pose2{1.0, 2.0, 3.0});
-    return store_.move_key_frames(map.id, map.revision, poses, "t5").value();
+    return store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5").value();
   }();
   for (PosedScan& key_frame : key_frames) key_frame.T_map_base_link = {1.0, 2.0, 3.0};
   EXPECT_EQ(grow(make_map("mapped"), key_frames).digest, moved_away.digest);

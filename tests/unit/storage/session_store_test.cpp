@@ -26,7 +26,9 @@ class SessionStoreTest : public ::testing::Test {
             .options_json = "{}",
             .expected_sequence = 0,
             .last_answer = "",
-            .state = state};
+            .state = state,
+            .map_ids = {7, 2, 9},
+            .beams = 25};
   }
   /// Stores `state` as the answer to the next sequence.
   Result<void> advance(const LocalizerState& state) {
@@ -59,6 +61,7 @@ TEST_F(SessionStoreTest, GivesBackASessionBitForBit) {
 TEST_F(SessionStoreTest, GivesBackASessionWithoutMapsOrScans) {
   SessionRecord session = record("s1");
   session.maps.clear();
+  session.map_ids.clear();
   ASSERT_TRUE(store_.insert(session));
   EXPECT_TRUE(is_same(store_.find("s1").value().value(), session));
 }

@@ -1,0 +1,12 @@
+/// \file  Whether a client holds already what it asks for (RFC 9110, 13.1.2).
+#pragma once
+
+#include <string_view>
+
+namespace cornerfix::server {
+
+/// Whether the list of an If-None-Match header names `tag`, by weak comparison, or is `*`. What
+/// comes after something that is no entity tag is not read.
+[[nodiscard]] bool names_entity_tag(std::string_view if_none_match, std::string_view tag);
+
+}  // namespace cornerfix::server
