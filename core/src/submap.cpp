@@ -78,8 +78,9 @@ void Submap::stamp(const SubmapScan& scan) {
 void Submap::rebuild_about(const Point2& center) {
   field_ = empty_field(params_, center);
   evidence_grid_ = EvidenceGrid(center, params_.evidence);
+  const double way = kept_.back().way_m;
   for (const Kept& kept : kept_) {
-    stamp(kept.scan);
+    if (way - kept.way_m <= params_.match_window_m) stamp(kept.scan);
     evidence_grid_.add(kept.scan.scan, kept.scan.T_submap_base_link * kept.scan.T_base_link_laser);
   }
 }

@@ -21,6 +21,7 @@ namespace cornerfix {
 
 struct SubmapParams {
   double window_m = 20.0;           ///< Way after which a kept scan is forgotten; > 0.
+  double match_window_m = 12.0;     ///< And after which none is matched on it any longer; > 0.
   std::size_t max_scans = 200;      ///< Or so many newer ones: a robot may turn on the spot; > 0.
   double keep_distance_m = 0.25;    ///< A scan this far from the last kept one is kept; > 0.
   double keep_angle_rad = 0.2;      ///< Or turned by this much; > 0.
