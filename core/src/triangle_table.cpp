@@ -6,13 +6,13 @@
 #include <numbers>
 #include <utility>
 
+#include "cross.hpp"
+
 namespace cornerfix {
 namespace {
 
 constexpr int kUnits = 65536;  // of the longest side, and of a turn
 constexpr double kUnitsPerRadian = kUnits / (2.0 * std::numbers::pi);
-
-double cross(const Point2& a, const Point2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// A side as seen when going round the triangle.
 struct Side {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "cross.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -27,8 +29,6 @@ constexpr double kMaxBendOfNoise = 12.0;  // [sigma^2]
 constexpr double kMinSine = 0.1;          // of the angle between two lines that fix a point
 constexpr double kPriorResiduals = 4.0;  // an arm's own count for more than the scan's noise beyond
 constexpr double kSameCorner = 0.2;      // corners nearer than this are one [m]
-
-double cross(const Point2& a, const Point2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double squared_distance(const Point2& a, const Point2& b) { return (a - b).squaredNorm(); }
 
