@@ -357,6 +357,7 @@ std::optional<Place> PlaceSearch::Run::next(double min_mean_weight) {
 }
 
 double PlaceSearch::Run::bound() const {
+  if (state_->points.ends.empty()) return kHighestValue / kStepsPerNat + kLowestWeight;
   return state_->points.mean_of(std::max(state_->open.top(), state_->opened_down_to - 1));
 }
 

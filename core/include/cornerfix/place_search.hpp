@@ -84,7 +84,8 @@ class PlaceSearch::Run {
   /// The best place that was not given yet, or nothing when none has at least this mean weight
   /// [nat] or the work is as much as it may be.
   [[nodiscard]] std::optional<Place> next(double min_mean_weight);
-  /// No place that was not given yet has a higher mean weight [nat].
+  /// No place that was not given yet has a higher mean weight [nat]. That of the best there can be
+  /// when there is nothing to look for, or base_link is too far from it to be looked up.
   [[nodiscard]] double bound() const;
 
  private:

@@ -313,6 +313,18 @@ TEST(PlaceSearch, EndsTooFarFromTheRobotHaveNoPlace) {
   }
 }
 
+/// What could not be looked for must not pass for what is nowhere.
+TEST(PlaceSearch, ASearchThatCouldNotLookExcludesNothing) {
+  const PlaceSearch search(room_classes());
+  std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
+  for (Point2& end : ends) end += Point2{0.0, 500.0};
+  for (const std::vector<Point2>& seen : {ends, std::vector<Point2>{}}) {
+    PlaceSearch::Run run(search, seen, kHere, {});
+    EXPECT_FALSE(run.next(-0.5));
+    EXPECT_GT(run.bound(), 0.4);
+  }
+}
+
 TEST(PlaceSearch, ASpentBudgetTellsWhatMayBeLeft) {
   const PlaceSearch search(room_classes());
   const std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
