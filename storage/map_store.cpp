@@ -346,12 +346,11 @@ Result<bool> MapStore::put_floor_map(std::string_view name, const FloorMap& floo
     MapInfo& info = map.info;
     info.name = name;
     map.chain = hash;
-    info.feature_count = floor_map.feature_count;
-    info.has_bounds = true;
-    info.min_x = floor_map.min_x;
-    info.min_y = floor_map.min_y;
-    info.max_x = floor_map.max_x;
-    info.max_y = floor_map.max_y;
+    set_outline(info, {.feature_count = floor_map.feature_count,
+                       .min_x = floor_map.min_x,
+                       .min_y = floor_map.min_y,
+                       .max_x = floor_map.max_x,
+                       .max_y = floor_map.max_y});
     info.updated = now;
     seal_revision(map);
     if (!stored) {
