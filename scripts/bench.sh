@@ -37,9 +37,9 @@ rm -rf "$results"
 mkdir -p "$results"
 
 if [[ $mode == quick ]]; then
-  seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 lengths="--mapping-length 500 --asking-length 120"
+  seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 many=10 lengths="--mapping-length 500 --asking-length 120"
 else
-  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 lengths=""
+  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 many=100 lengths=""
 fi
 
 starts=${robots:-$starts}
@@ -70,8 +70,16 @@ simulated() {  # NAME MAP [INSIDE]
   fi
 }
 
+# Of all buildings there are but one, separated by commas.
+others() {  # SUFFIX FILE
+  find "$data" -name "*$1" ! -path "$2" | LC_ALL=C sort | paste -sd,
+}
 # A line a program; the long ones first.
 work() {
+  buildings | while read -r name kind file options; do
+    [[ $kind == --log ]] || continue
+    echo "maps --name $name $kind $file $options --logs $(others .jsonl.gz "$file") --floor-maps $(others .yaml -) --maps $many --starts $starts"
+  done
   while read -r name source; do
     echo "robots --name $name $source --starts $starts"
   done < <(buildings)
@@ -94,7 +102,7 @@ describe_run() {
   echo "date,$(date -u +%Y-%m-%d)"
   echo "load,$(cut -d' ' -f1 /proc/loadavg)"
   echo "mode,$mode"
-  echo "settings,seeds $seeds; trials $trials; worlds $worlds; robots a building $starts"
+  echo "settings,seeds $seeds; trials $trials; worlds $worlds; maps $many; robots a building $starts"
 }
 
 describe_run >"$results/run.csv"

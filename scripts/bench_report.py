@@ -529,6 +529,29 @@ def speed(report, starts, times, buildings):
     report.figure("speed.svg", "Time of a scan against Cornerfix's; black lines are the goals", [f"times_{b}.csv" for b in buildings])
 
 
+def many_maps(report):
+    rows = [row for b in BUILDINGS for row in report.read(f"many_maps_{b}.csv")]
+    if not rows:
+        return
+    report.say(
+        "## Which map",
+        "Robots that are told their map, and the same ones that are not: among the maps of all other buildings, their mirror images, their "
+        "halves and quarters, these mirrored, and the mirror image of the right map. A fix in another map is wrong, wherever it is.",
+        table(
+            ["building", "maps", "robots", "right", "wrong", "m to the fix: p50 / p90", "searching ms a scan: mean / p50 / p95"],
+            [
+                [str(row["building"])]
+                + [f"{row[key]:.0f}" for key in ("maps", "starts", "right", "wrong")]
+                + [" / ".join(shown(row[key], 1) for key in ("way_p50_m", "way_p90_m"))]
+                + [" / ".join(shown(row[key]) for key in ("mean_ms", "p50_ms", "p95_ms"))]
+                for row in rows
+            ],
+        ),
+    )
+    for row in rows:
+        report.keep(f"many_maps_{row['building']}.csv")
+
+
 def honest(report, starts, times, buildings):
     better = []
     for building in buildings:
@@ -569,6 +592,7 @@ def main():
         robots(report, starts, times, buildings)
         speed(report, starts, times, buildings)
         honest(report, starts, times, buildings)
+    many_maps(report)
     corners(report)
     matching(report)
     worlds(report)

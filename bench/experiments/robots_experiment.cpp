@@ -41,11 +41,6 @@ const char* verdict_name(cli::Verdict verdict) {
   return "none";
 }
 
-/// A start that ran out of log before the allowed way and got no answer tells nothing.
-bool tells_nothing(const cli::StartRecord& record, double way_m) {
-  return record.verdict == cli::Verdict::kNone && record.driven_m < 0.5 * way_m;
-}
-
 class RobotsExperiment {
  public:
   explicit RobotsExperiment(const RobotsArguments& arguments)
