@@ -412,7 +412,7 @@ Result<void> LocalizationService::use_current_maps(Session& session) {
   std::vector<LocalizationMapPtr> maps;
   std::vector<std::int64_t> ids;
   for (const MapInfo& info : *infos) {
-    if (!info.has_bounds) continue;  // Nothing in it yet.
+    if (!info.bounds) continue;  // Nothing in it yet.
     auto map = maps_->load(info);
     if (!map && session.record.maps.empty() && is_of_the_map(map.error())) {
       spdlog::warn("session {} looks in every map but {}: {}", session.record.id, info.name,

@@ -1,18 +1,17 @@
 #include "server/map_library.hpp"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <type_traits>
-#include <unordered_set>
 
 #include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/lidar_odometry.hpp>
 #include <cornerfix/map_image.hpp>
 #include <cornerfix/trajectory_optimizer.hpp>
+
+#include "server/map_outline.hpp"
+#include "server/mapping_batch.hpp"
+#include "server/trajectory_poses.hpp"
 
 namespace cornerfix::server {
 
@@ -22,8 +21,6 @@ using storage::MapStore;
 namespace {
 
 constexpr int kMaxRevisionAttempts = 3;
-constexpr double kStampToleranceS = 1e-3;
-constexpr std::size_t kMaxStampsTold = 20;
 
 /// Whether another process came in between, so that trying again on its result makes sense.
 bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
@@ -37,113 +34,9 @@ auto retrying(Change change) {
   }
 }
 
-/// The box around a grid, however it is turned.
-Bounds bounds_of(const OccupancyGrid& grid) {
-  const Point2 first = grid.T_map_grid.translation();
-  Bounds bounds{first, first};
-  for (const int column : {0, grid.width}) {
-    for (const int row : {0, grid.height}) {
-      const Point2 corner = grid.T_map_grid * (grid.resolution * Point2(column, row));
-      bounds.extend({corner, corner});
-    }
-  }
-  return bounds;
-}
-
-Error bad_archive(std::string message) {
-  return {ErrorCode::kInvalidArgument, std::move(message), "/archive"};
-}
-
-void set_bounds(MapInfo& info, const Bounds& bounds) {
-  info.has_bounds = true;
-  info.min_x = bounds.min.x();
-  info.min_y = bounds.min.y();
-  info.max_x = bounds.max.x();
-  info.max_y = bounds.max.y();
-}
-
-storage::MapOutline outline_from(std::size_t features, const Bounds& bounds) {
-  return {.feature_count = features,
-          .min_x = bounds.min.x(),
-          .min_y = bounds.min.y(),
-          .max_x = bounds.max.x(),
-          .max_y = bounds.max.y()};
-}
-
-storage::MapOutline outline_from(const Mapper& mapper) {
-  return outline_from(mapper.feature_count(), mapper.bounds().value_or(Bounds{}));
-}
-
-/// A mapper that holds these key frames, or why its grid could not.
-Result<Mapper> mapper_of(std::vector<PosedScan> key_frames, const MapperParams& params) {
-  Mapper mapper(params);
-  for (PosedScan& key_frame : key_frames) {
-    if (auto error = mapper.reject(key_frame)) return std::move(*error);
-    mapper.add(std::move(key_frame));
-  }
-  return mapper;
-}
-
-/// What is derived for the entry of an archive's map.
-Result<MapInfo> describe(const storage::MapArchive& archive) {
-  const MapperParams params = api::mapper_params_from_json(archive.parameters_json);
-  MapInfo info;
-  if (archive.floor_map) {
-    const auto made = map_from_grid(*archive.floor_map, params);
-    if (!made) return bad_archive(made.error().message);
-    info.feature_count = made->content.features.size();
-    set_bounds(info, bounds_of(made->content.grid));
-    return info;
-  }
-  const auto mapper = mapper_of(archive.key_frames, params);
-  if (!mapper) return bad_archive(mapper.error().message);
-  info.feature_count = mapper->feature_count();
-  if (mapper->bounds()) set_bounds(info, *mapper->bounds());
-  return info;
-}
-
-/// The scans that the map does not hold and that are not earlier in the batch.
-template <typename Scan>
-std::vector<const Scan*> new_scans(std::span<const Scan> scans, const std::vector<bool>& known) {
-  std::vector<const Scan*> fresh;
-  std::unordered_set<double> stamps;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    if (!known[i] && stamps.insert(scans[i].scan.stamp).second) fresh.push_back(&scans[i]);
-  }
-  return fresh;
-}
-
 bool is_scan_of(const LaserScan& scan, const api::Lidar& lidar) {
   return scan.angle_min == lidar.angle_min && scan.angle_increment == lidar.angle_increment &&
          scan.range_min == lidar.range_min && scan.range_max == lidar.range_max;
-}
-
-/// Why a map with key frames cannot take scans that come with poses, or without.
-std::optional<Error> mixed(const MapInfo& map, bool scans_have_poses) {
-  if (map.key_frame_count == 0 || map.drifts != scans_have_poses) return std::nullopt;
-  return Error{ErrorCode::kConflict,
-               map.drifts
-                   ? "the map is made from scans without poses: these have poses. Give the "
-                     "map an optimised trajectory first, or another name"
-                   : "the map is made from scans at poses: these have none. Give them poses in its "
-                     "frame, as a robot that is localized in it has, or another map",
-               "/scans"};
-}
-
-/// A scan of a drive must come after what is there of it.
-template <typename Scan>
-std::optional<Error> too_late(std::span<const Scan* const> fresh, const Mapper& mapper,
-                              const Scan* first_of_batch) {
-  if (fresh.empty() || mapper.key_frames().empty()) return std::nullopt;
-  const double last = mapper.key_frames().back().scan.stamp;
-  const auto late =
-      std::ranges::find_if(fresh, [last](const Scan* scan) { return scan->scan.stamp <= last; });
-  if (late == fresh.end()) return std::nullopt;
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("must be later than the last key frame's {}, since scans without pose "
-                           "are one drive",
-                           last),
-               "/scans/" + std::to_string(*late - first_of_batch) + "/stamp"};
 }
 
 Error at_scan(Error error, std::ptrdiff_t index) {
@@ -151,21 +44,12 @@ Error at_scan(Error error, std::ptrdiff_t index) {
   return error;
 }
 
+Error bad_archive(std::string message) {
+  return {ErrorCode::kInvalidArgument, std::move(message), "/archive"};
+}
+
 MapperParams mapper_params(const MapInfo& info) {
   return api::mapper_params_from_json(info.parameters_json);
-}
-
-/// NaN for every beam without return, whichever way it was told: the digest is the same then.
-void unify_no_returns(LaserScan& scan) {
-  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
-    if (!scan.has_return(beam)) scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
-  }
-}
-
-PosedScan posed_by(LidarOdometry& /*odometry*/, const PosedScan& scan) { return scan; }
-
-PosedScan posed_by(LidarOdometry& odometry, const RobotScan& scan) {
-  return {scan.scan, scan.T_base_link_laser, odometry.process(scan)};
 }
 
 std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
@@ -209,46 +93,6 @@ Error no_key_frames() {
           "the map was made from a floor map: it has no key frames that could move", "/map"};
 }
 
-const api::StampedPose* nearest(const std::vector<api::StampedPose>& poses, double stamp) {
-  const auto after = std::ranges::lower_bound(poses, stamp, {}, &api::StampedPose::stamp);
-  const api::StampedPose* best = after == poses.end() ? nullptr : &*after;
-  if (after != poses.begin()) {
-    const api::StampedPose* before = &*std::prev(after);
-    if (best == nullptr || stamp - before->stamp < best->stamp - stamp) best = before;
-  }
-  const bool is_near = best != nullptr && std::abs(best->stamp - stamp) <= kStampToleranceS;
-  return is_near ? best : nullptr;
-}
-
-Error uncovered_key_frames(const std::vector<double>& missing, std::size_t key_frames) {
-  std::string message = "no pose within 1 ms of " + std::to_string(missing.size()) + " of " +
-                        std::to_string(key_frames) + " key frames, at stamps ";
-  const std::size_t told = std::min(missing.size(), kMaxStampsTold);
-  for (std::size_t i = 0; i < told; ++i) {
-    message += fmt::format("{}{}", i == 0 ? "" : ", ", missing[i]);
-  }
-  if (told < missing.size()) message += ", …";
-  return {ErrorCode::kInvalidArgument, message, "/poses"};
-}
-
-Result<std::vector<Pose2>> poses_of(const std::vector<PosedScan>& key_frames,
-                                    std::span<const api::StampedPose> given) {
-  std::vector<api::StampedPose> poses(given.begin(), given.end());
-  std::ranges::sort(poses, {}, &api::StampedPose::stamp);
-  std::vector<Pose2> moved;
-  std::vector<double> missing;
-  for (const PosedScan& key_frame : key_frames) {
-    const api::StampedPose* pose = nearest(poses, key_frame.scan.stamp);
-    if (pose != nullptr) {
-      moved.push_back(pose->T_map_base_link);
-    } else {
-      missing.push_back(key_frame.scan.stamp);
-    }
-  }
-  if (!missing.empty()) return uncovered_key_frames(missing, key_frames.size());
-  return moved;
-}
-
 }  // namespace
 
 /// A map being changed or made ready, one thread at a time.
@@ -273,7 +117,10 @@ struct MapLibrary::GrowingMap {
 };
 
 MapLibrary::MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now)
-    : stores_(std::move(stores)), limits_(limits), now_(std::move(now)) {}
+    : stores_(std::move(stores)),
+      max_mappers_(limits.max_mappers),
+      now_(std::move(now)),
+      cache_(limits.max_map_bytes) {}
 
 MapLibrary::~MapLibrary() = default;
 
@@ -302,7 +149,7 @@ Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapReques
   if (!merged) return merged.error();
   MapInfo remade = *found;
   remade.parameters_json = *merged;
-  const auto outline = outline_of(remade);
+  const auto outline = outline_with(remade);
   if (!outline) return outline.error();
   return store_entry(name, {request.description, request.lidar_json, *merged},
                      storage::MapRemake{.expected_revision = found->revision, .outline = *outline});
@@ -317,11 +164,11 @@ Result<bool> MapLibrary::store_entry(std::string_view name, const api::PutMapReq
 }
 
 /// Of what is made of the map's source with the parameters in `info`.
-Result<storage::MapOutline> MapLibrary::outline_of(const MapInfo& info) {
+Result<storage::MapOutline> MapLibrary::outline_with(const MapInfo& info) {
   if (info.has_floor_map) {
     const auto content = content_of_floor_map(info);
     if (!content) return content.error();
-    return outline_from(content->features.size(), bounds_of(content->grid));
+    return outline_of(*content);
   }
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(info.id); });
   if (!key_frames) return key_frames.error();
@@ -330,7 +177,7 @@ Result<storage::MapOutline> MapLibrary::outline_of(const MapInfo& info) {
     return Error{ErrorCode::kInvalidArgument, mapper.error().message,
                  "/parameters/grid/resolution_m"};
   }
-  return outline_from(*mapper);
+  return outline_of(*mapper);
 }
 
 Result<void> MapLibrary::remove(std::string_view name) {
@@ -389,7 +236,7 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
   Mapper mapper = std::move(*growing->mapper);
   LidarOdometry odometry;
   if constexpr (!kHavePoses) {
-    if (auto error = too_late<Scan>(fresh, mapper, scans.data())) {
+    if (auto error = too_late(fresh, scans, mapper)) {
       growing->mapper = std::move(mapper);
       return *error;
     }
@@ -405,20 +252,14 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
   for (const Scan* scan : fresh) {
     new_stamps.push_back(scan->scan.stamp);
     PosedScan posed = posed_by(odometry, *scan);
-    unify_no_returns(posed.scan);
     if (!mapper.is_key_frame(posed)) continue;
     if (auto error = mapper.reject(posed)) return at_scan(*error, scan - scans.data());
     mapper.add(posed);
     new_key_frames.push_back(std::move(posed));
   }
-  const Bounds bounds = mapper.bounds().value_or(Bounds{});
   const storage::MapGrowth growth{.stamps = new_stamps,
                                   .new_key_frames = new_key_frames,
-                                  .feature_count = mapper.feature_count(),
-                                  .min_x = bounds.min.x(),
-                                  .min_y = bounds.min.y(),
-                                  .max_x = bounds.max.x(),
-                                  .max_y = bounds.max.y(),
+                                  .outline = outline_of(mapper),
                                   .drifts = !kHavePoses};
   const auto grown = stores_->with_maps(
       [&](MapStore& maps) { return maps.grow(found->id, found->revision, growth, now_()); });
@@ -453,7 +294,7 @@ Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
   const auto mapper = mapper_of(moved_to(*moved, std::move(*key_frames)), mapper_params(*found));
   if (!mapper) return Error{ErrorCode::kInvalidArgument, mapper.error().message, "/poses"};
   return stores_->with_maps([&](MapStore& maps) {
-    return maps.move_key_frames(found->id, found->revision, *moved, outline_from(*mapper), now_());
+    return maps.move_key_frames(found->id, found->revision, *moved, outline_of(*mapper), now_());
   });
 }
 
@@ -466,13 +307,7 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
   auto made = map_from_grid(
       *floor_map, api::mapper_params_from_json(found ? found->parameters_json : std::string()));
   if (!made) return at_part(made.error());
-  const Bounds bounds = bounds_of(made->content.grid);
-  const storage::FloorMap stored{.grid = *floor_map,
-                                 .feature_count = made->content.features.size(),
-                                 .min_x = bounds.min.x(),
-                                 .min_y = bounds.min.y(),
-                                 .max_x = bounds.max.x(),
-                                 .max_y = bounds.max.y()};
+  const storage::FloorMap stored{.grid = *floor_map, .outline = outline_of(made->content)};
   const auto created =
       stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
   if (!created) return created.error();
@@ -497,10 +332,10 @@ Result<MapInfo> MapLibrary::restore(std::string_view name, std::span<const std::
   if (!archive) return at_part(archive.error());
   if (!api::is_put_map_request(archive->description, archive->lidar_json, archive->parameters_json))
     return bad_archive("its description, lidar or parameters are not as a server writes them");
-  const auto info = describe(*archive);
-  if (!info) return info.error();
+  const auto outline = outline_of(*archive);
+  if (!outline) return bad_archive(outline.error().message);
   return stores_->with_maps(
-      [&](MapStore& maps) { return maps.restore(name, *archive, *info, now_()); });
+      [&](MapStore& maps) { return maps.restore(name, *archive, *outline, now_()); });
 }
 
 Result<OccupancyGrid> MapLibrary::grid(const MapInfo& info) {
@@ -518,18 +353,18 @@ Result<LocalizationMapPtr> MapLibrary::load(std::string_view name, const Progres
 }
 
 Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info, const Progress& progress) {
-  if (auto map = cached({info.id, info.revision})) return map;
+  if (auto map = cache_.find({info.id, info.revision})) return map;
   const auto growing = this->growing(info.id);
   const std::lock_guard lock(growing->mutex);
   const auto current = find(info.name);
   if (!current) return current.error();
-  const Key key{current->id, current->revision};
-  if (auto map = cached(key)) return map;
+  const MapCache::Key key{current->id, current->revision};
+  if (auto map = cache_.find(key)) return map;
   auto content = content_of(*growing, *current, progress);
   if (!content) return content.error();
   const auto map = std::make_shared<const LocalizationMap>(current->name, current->revision,
                                                            std::move(*content));
-  remember(key, map);
+  cache_.keep(key, map);
   return LocalizationMapPtr(map);
 }
 
@@ -590,39 +425,12 @@ std::shared_ptr<MapLibrary::GrowingMap> MapLibrary::growing(std::int64_t map_id)
     return growing_.front();
   }
   // One in use stays, so that there are never two of the same map.
-  for (auto last = growing_.end(); growing_.size() >= limits_.max_mappers;) {
+  for (auto last = growing_.end(); growing_.size() >= max_mappers_;) {
     if (last == growing_.begin()) break;
     --last;
     if (last->use_count() == 1) last = growing_.erase(last);
   }
   return growing_.emplace_front(std::make_shared<GrowingMap>(map_id));
-}
-
-LocalizationMapPtr MapLibrary::cached(const Key& key) {
-  const std::lock_guard lock(cache_mutex_);
-  const auto found = std::ranges::find(cache_, key, &CachedMap::key);
-  if (found == cache_.end()) return nullptr;
-  cache_.splice(cache_.begin(), cache_, found);
-  return cache_.front().map;
-}
-
-void MapLibrary::remember(const Key& key, const LocalizationMapPtr& map) {
-  const std::lock_guard lock(cache_mutex_);
-  cache_.remove_if([&](const CachedMap& old) { return old.key.first == key.first; });
-  cache_.push_front({key, map, map->bytes()});
-  std::size_t bytes = 0;
-  for (auto entry = cache_.begin(); entry != cache_.end();) {
-    bytes += entry->bytes;
-    const bool is_first = entry == cache_.begin();
-    entry = bytes > limits_.max_map_bytes && !is_first ? cache_.erase(entry) : std::next(entry);
-  }
-}
-
-MapCacheUse MapLibrary::cache_use() {
-  const std::lock_guard lock(cache_mutex_);
-  MapCacheUse use{.maps = cache_.size()};
-  for (const CachedMap& entry : cache_) use.bytes += entry.bytes;
-  return use;
 }
 
 }  // namespace cornerfix::server

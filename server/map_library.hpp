@@ -5,14 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <cornerfix/localization_map.hpp>
@@ -20,6 +18,7 @@
 #include <cornerfix/result.hpp>
 
 #include "api/requests.hpp"
+#include "server/map_cache.hpp"
 #include "server/store_access.hpp"
 
 namespace cornerfix::server {
@@ -46,11 +45,6 @@ struct FloorMapReport {
   bool created = false;  ///< The map did not exist before.
   storage::MapInfo info;
   std::vector<std::string> warnings;  ///< What the floor map's owner should know.
-};
-
-struct MapCacheUse {
-  std::size_t maps = 0;
-  std::size_t bytes = 0;
 };
 
 /// Any threads may call; changes of one map happen one after the other. What a call acknowledged
@@ -115,16 +109,10 @@ class MapLibrary {
   [[nodiscard]] Result<LocalizationMapPtr> load(const storage::MapInfo& info,
                                                 const Progress& progress = {});
 
-  [[nodiscard]] MapCacheUse cache_use();
+  [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
 
  private:
   struct GrowingMap;
-  using Key = std::pair<std::int64_t, std::uint64_t>;  ///< Map id and revision.
-  struct CachedMap {
-    Key key;
-    LocalizationMapPtr map;
-    std::size_t bytes = 0;
-  };
 
   [[nodiscard]] std::shared_ptr<GrowingMap> growing(std::int64_t map_id);
   [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
@@ -135,7 +123,7 @@ class MapLibrary {
   [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
   [[nodiscard]] Result<bool> store_entry(std::string_view name, const api::PutMapRequest& request,
                                          const std::optional<storage::MapRemake>& remake = {});
-  [[nodiscard]] Result<storage::MapOutline> outline_of(const storage::MapInfo& info);
+  [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);
   [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
       std::string_view name, std::span<const api::StampedPose> poses);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
@@ -144,18 +132,14 @@ class MapLibrary {
   [[nodiscard]] Result<MapContent> content_of_key_frames(GrowingMap& growing,
                                                          const storage::MapInfo& info,
                                                          const Progress& progress);
-  [[nodiscard]] LocalizationMapPtr cached(const Key& key);
-  void remember(const Key& key, const LocalizationMapPtr& map);
 
   std::shared_ptr<StoreAccess> stores_;
-  MapLibraryLimits limits_;
+  std::size_t max_mappers_;
   NowText now_;
+  MapCache cache_;
 
   std::mutex growing_mutex_;
   std::list<std::shared_ptr<GrowingMap>> growing_;  ///< Last used first.
-
-  std::mutex cache_mutex_;
-  std::list<CachedMap> cache_;  ///< Last used first.
 };
 
 }  // namespace cornerfix::server

@@ -21,8 +21,6 @@ constexpr std::size_t kDefaultPage = 100;
 constexpr std::size_t kDefaultReportWait = 20;  // [s]
 
 api::MapEntry entry_of(const MapInfo& info) {
-  std::optional<Bounds> bounds;
-  if (info.has_bounds) bounds = Bounds{{info.min_x, info.min_y}, {info.max_x, info.max_y}};
   return {.name = info.name,
           .description = info.description,
           .revision = info.revision,
@@ -30,7 +28,7 @@ api::MapEntry entry_of(const MapInfo& info) {
           .has_floor_map = info.has_floor_map,
           .key_frames = info.key_frame_count,
           .features = info.feature_count,
-          .bounds = bounds,
+          .bounds = info.bounds,
           .created = info.created,
           .updated = info.updated,
           .lidar_json = info.lidar_json,
@@ -285,7 +283,7 @@ class MapRoutes {
     }
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    if (!info->has_bounds) return no_grid();
+    if (!info->bounds) return no_grid();
     const auto view = services_.reports->get(*info, std::chrono::seconds(wait_s));
     if (!view) return error_response(request, view.error());
     if (view->report) return render(*info, *view);

@@ -23,12 +23,9 @@ const std::string kSelectMap =
     "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, "
     "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts FROM maps ";
 
-void read_bounds(const Statement& row, MapInfo& info) {
-  info.has_bounds = !row.is_null(7);
-  info.min_x = row.real(7);
-  info.min_y = row.real(8);
-  info.max_x = row.real(9);
-  info.max_y = row.real(10);
+std::optional<Bounds> read_bounds(const Statement& row) {
+  if (row.is_null(7)) return std::nullopt;
+  return Bounds{{row.real(7), row.real(8)}, {row.real(9), row.real(10)}};
 }
 
 MapRow read_map(const Statement& row) {
@@ -40,7 +37,7 @@ MapRow read_map(const Statement& row) {
   map.info.digest = row.text(4);
   map.info.key_frame_count = row.number(5);
   map.info.feature_count = row.number(6);
-  read_bounds(row, map.info);
+  map.info.bounds = read_bounds(row);
   map.info.created = row.text(11);
   map.info.updated = row.text(12);
   map.info.lidar_json = row.text(13);
@@ -100,16 +97,17 @@ void insert_map(Database& database, const MapRow& map) {
 
 void update_map(Database& database, const MapRow& map) {
   const MapInfo& info = map.info;
+  const Bounds bounds = info.bounds.value_or(Bounds{});
   const auto bound = [&](double value) {
-    return info.has_bounds ? std::optional(value) : std::nullopt;
+    return info.bounds ? std::optional(value) : std::nullopt;
   };
   Statement(database,
             "UPDATE maps SET description = ?, revision = ?, digest = ?, key_frame_chain = ?, "
             "key_frame_count = ?, feature_count = ?, min_x = ?, min_y = ?, max_x = ?, max_y = ?, "
             "updated = ?, lidar_json = ?, parameters_json = ?, drifts = ? WHERE id = ?")
       .bind(info.description, info.revision, info.digest, BlobView(map.chain), info.key_frame_count,
-            info.feature_count, bound(info.min_x), bound(info.min_y), bound(info.max_x),
-            bound(info.max_y), info.updated, info.lidar_json, info.parameters_json,
+            info.feature_count, bound(bounds.min.x()), bound(bounds.min.y()), bound(bounds.max.x()),
+            bound(bounds.max.y()), info.updated, info.lidar_json, info.parameters_json,
             std::int64_t{info.drifts ? 1 : 0}, info.id)
       .run();
 }
@@ -195,11 +193,7 @@ Result<std::vector<PosedScan>> read_key_frames(Database& database, const MapInfo
 /// For a map that has content.
 void set_outline(MapInfo& info, const MapOutline& outline) {
   info.feature_count = outline.feature_count;
-  info.has_bounds = true;
-  info.min_x = outline.min_x;
-  info.min_y = outline.min_y;
-  info.max_x = outline.max_x;
-  info.max_y = outline.max_y;
+  info.bounds = outline.bounds;
 }
 
 Result<MapContent> decode_content(BlobView features, BlobView descriptors, BlobView grid) {
@@ -252,7 +246,7 @@ Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view
     MapRow map = stored.value_or(MapRow{});
     if (remake && remake->expected_revision != map.info.revision)
       return other_revision(map.info.revision, remake->expected_revision);
-    if (remake && map.info.has_bounds) set_outline(map.info, remake->outline);
+    if (remake && map.info.bounds) set_outline(map.info, remake->outline);
     map.info.name = name;
     const bool described = replace(map.info.description, description);
     const bool other_lidar = replace(map.info.lidar_json, lidar_json);
@@ -302,14 +296,7 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
     insert_stamps(*database_, map_id, growth.stamps);
     append_key_frames(*database_, *map, growth.new_key_frames);
     MapInfo& info = map->info;
-    info.feature_count = growth.feature_count;
-    info.has_bounds = info.key_frame_count > 0;
-    if (info.has_bounds) {
-      info.min_x = growth.min_x;
-      info.min_y = growth.min_y;
-      info.max_x = growth.max_x;
-      info.max_y = growth.max_y;
-    }
+    if (info.key_frame_count > 0) set_outline(info, growth.outline);
     info.updated = now;
     if (!growth.new_key_frames.empty()) {
       info.drifts = growth.drifts;
@@ -346,11 +333,7 @@ Result<bool> MapStore::put_floor_map(std::string_view name, const FloorMap& floo
     MapInfo& info = map.info;
     info.name = name;
     map.chain = hash;
-    set_outline(info, {.feature_count = floor_map.feature_count,
-                       .min_x = floor_map.min_x,
-                       .min_y = floor_map.min_y,
-                       .max_x = floor_map.max_x,
-                       .max_y = floor_map.max_y});
+    set_outline(info, floor_map.outline);
     info.updated = now;
     seal_revision(map);
     if (!stored) {
@@ -394,8 +377,8 @@ Result<MapArchive> MapStore::archive(std::string_view name) {
   });
 }
 
-Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archive, MapInfo info,
-                                  std::string_view now) {
+Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archive,
+                                  const MapOutline& outline, std::string_view now) {
   return guarded([&]() -> Result<MapInfo> {
     WriteTransaction transaction(*database_);
     if (find_map(*database_, name)) {
@@ -404,14 +387,14 @@ Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archi
                        "'; delete it first, or restore under another name",
                    "map"};
     }
-    MapRow map{.info = std::move(info), .chain = {}};
+    MapRow map;
+    set_outline(map.info, outline);
     map.info.name = name;
     map.info.description = archive.description;
     map.info.lidar_json = archive.lidar_json;
     map.info.parameters_json = archive.parameters_json;
     map.info.revision = archive.revision;
     map.info.drifts = archive.drifts;
-    map.info.key_frame_count = 0;
     map.info.created = map.info.updated = now;
     insert_map(*database_, map);
     map.info.id = find_map(*database_, name)->info.id;

@@ -33,10 +33,9 @@ struct MapInfo {
                        ///< names and dates.
   std::size_t key_frame_count = 0;
   std::size_t feature_count = 0;
-  bool has_floor_map = false;  ///< It was made from a floor map, not from scans.
-  bool has_bounds = false;     ///< False for a map without key frames and grid.
-  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< [m]
-  std::string created;                                        ///< RFC 3339, UTC.
+  bool has_floor_map = false;    ///< It was made from a floor map, not from scans.
+  std::optional<Bounds> bounds;  ///< None for a map without key frames and grid.
+  std::string created;           ///< RFC 3339, UTC.
   std::string updated;
   std::string lidar_json;       ///< As given by PUT, or empty; opaque to this module.
   std::string parameters_json;  ///< As given by PUT, or empty; opaque to this module.
@@ -47,7 +46,7 @@ struct MapInfo {
 /// What a map's entry says of what is derived from its content.
 struct MapOutline {
   std::size_t feature_count = 0;
-  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds [m].
+  std::optional<Bounds> bounds{};
 };
 
 /// What other parameters make of a map, worked out from its content.
@@ -59,17 +58,15 @@ struct MapRemake {
 /// What POST …/scans adds in one transaction.
 struct MapGrowth {
   std::span<const double> stamps;  ///< Of all accepted scans, key frames or not: for `duplicates`.
-  std::span<const PosedScan> new_key_frames;                  ///< In order.
-  std::size_t feature_count = 0;                              ///< After the growth.
-  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds after the growth [m].
+  std::span<const PosedScan> new_key_frames;  ///< In order.
+  MapOutline outline{};                       ///< After the growth.
   bool drifts = false;  ///< The poses are those of lidar odometry, as MapInfo::drifts.
 };
 
 /// What PUT …/grid makes a map of, in one transaction.
 struct FloorMap {
   const OccupancyGrid& grid;  ///< As drawn.
-  std::size_t feature_count = 0;
-  double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;  ///< Bounds of the grid [m].
+  MapOutline outline{};
 };
 
 /// Derived content as stored, with the revision it was made from.
@@ -116,10 +113,9 @@ class MapStore {
                                            std::string_view now);
   /// The map's whole source, in one snapshot.
   [[nodiscard]] Result<MapArchive> archive(std::string_view name);
-  /// Makes a map of an archive, at its revision. kConflict when there is a map of that name. `info`
-  /// gives feature_count and bounds; its other members are the archive's.
+  /// Makes a map of an archive, at its revision. kConflict when there is a map of that name.
   [[nodiscard]] Result<MapInfo> restore(std::string_view name, const MapArchive& archive,
-                                        MapInfo info, std::string_view now);
+                                        const MapOutline& outline, std::string_view now);
 
   /// The floor map as it was put; kNotFound for a map that was not made from one.
   [[nodiscard]] Result<OccupancyGrid> floor_map(std::int64_t map_id);

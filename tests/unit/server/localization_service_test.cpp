@@ -89,7 +89,7 @@ TEST_F(LocalizationServiceTest, LeavesOutAMapThatCannotBeLoadedWhenItSearchesAll
   std::vector<Pose2> poses(broken.key_frame_count);
   poses.back() = {20'000.0, 20'000.0, 0.0};
   ASSERT_TRUE(process_.stores->with_maps([&](storage::MapStore& maps) {
-    return maps.move_key_frames(broken.id, broken.revision, poses, {}, kNow);
+    return maps.move_key_frames(broken.id, broken.revision, poses, {.bounds = broken.bounds}, kNow);
   }));
   ASSERT_EQ(process_.maps->load("broken").error().code, ErrorCode::kConflict);
   const std::string id = create(process_, {});

@@ -190,12 +190,12 @@ TEST_F(MapLibraryTest, StoresWhatItMadeForOthers) {
 TEST_F(MapLibraryTest, MovesKeyFramesToATrajectory) {
   make_map(process_, "office");
   const auto before = *maps_.load("office");
-  const double max_x_before = maps_.find("office")->max_x;
+  const double max_x_before = maps_.find("office")->bounds->max.x();
   const Pose2 T{3.0, -1.0, 0.0};
   const auto moved = maps_.set_trajectory("office", trajectory(T));
   ASSERT_TRUE(moved) << moved.error().message;
   EXPECT_GT(moved->revision, before->revision());
-  EXPECT_NEAR(moved->max_x, max_x_before + 3.0, 1e-9);
+  EXPECT_NEAR(moved->bounds->max.x(), max_x_before + 3.0, 1e-9);
   const auto after = *maps_.load("office");
   ASSERT_EQ(after->features().size(), before->features().size());
   EXPECT_NEAR(after->features()[0].position.x(), before->features()[0].position.x() + 3.0, 1e-6);

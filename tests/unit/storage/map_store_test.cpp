@@ -19,8 +19,7 @@ using ::testing::SizeIs;
 
 class MapStoreTest : public ::testing::Test {
  protected:
-  static constexpr MapOutline kOutline{
-      .feature_count = 7, .min_x = 11.0, .min_y = 20.0, .max_x = 13.0, .max_y = 23.0};
+  const MapOutline outline_{.feature_count = 7, .bounds = Bounds{{11.0, 20.0}, {13.0, 23.0}}};
 
   MapInfo make_map(const std::string& name = "office") {
     EXPECT_TRUE(store_.put(name, std::nullopt, std::nullopt, std::nullopt, "t0").value());
@@ -41,11 +40,7 @@ class MapStoreTest : public ::testing::Test {
   static MapGrowth growth(std::span<const double> stamps, std::span<const PosedScan> key_frames) {
     return {.stamps = stamps,
             .new_key_frames = key_frames,
-            .feature_count = 12,
-            .min_x = -1.0,
-            .min_y = -2.0,
-            .max_x = 3.5,
-            .max_y = 4.5};
+            .outline = {.feature_count = 12, .bounds = Bounds{{-1.0, -2.0}, {3.5, 4.5}}}};
   }
   /// A number out of the file.
   std::int64_t count(const std::string& table) {
@@ -86,7 +81,7 @@ TEST_F(MapStoreTest, FindsWhatWasPut) {
   EXPECT_EQ(map.updated, "t0");
   EXPECT_EQ(map.revision, 1U);
   EXPECT_EQ(map.key_frame_count, 0U);
-  EXPECT_FALSE(map.has_bounds);
+  EXPECT_FALSE(map.bounds);
 }
 
 TEST_F(MapStoreTest, KeepsTheBytesOfAnyText) {
@@ -130,22 +125,22 @@ TEST_F(MapStoreTest, OutlinesAMapWithOtherParametersIfItIsAtTheExpectedRevision)
   const MapInfo map = grow(make_map(), 1);
   const auto put = [&](std::uint64_t revision) {
     return store_.put("office", "d", std::nullopt, "params", "t1",
-                      MapRemake{.expected_revision = revision, .outline = kOutline});
+                      MapRemake{.expected_revision = revision, .outline = outline_});
   };
   const std::string before = dump();
   EXPECT_EQ(put(map.revision - 1).error().code, ErrorCode::kConflict);
   EXPECT_EQ(put(0).error().code, ErrorCode::kConflict);
   EXPECT_EQ(dump(), before);
   ASSERT_TRUE(put(map.revision));
-  EXPECT_EQ(store_.find("office")->feature_count, kOutline.feature_count);
-  EXPECT_EQ(store_.find("office")->max_y, kOutline.max_y);
+  EXPECT_EQ(store_.find("office")->feature_count, outline_.feature_count);
+  EXPECT_EQ(store_.find("office")->bounds.value().max, outline_.bounds->max);
 }
 
 TEST_F(MapStoreTest, OutlinesNoMapWithoutContent) {
   ASSERT_TRUE(store_.put("office", std::nullopt, std::nullopt, "params", "t0",
-                         MapRemake{.expected_revision = 0, .outline = kOutline}));
+                         MapRemake{.expected_revision = 0, .outline = outline_}));
   EXPECT_EQ(store_.find("office")->feature_count, 0U);
-  EXPECT_FALSE(store_.find("office")->has_bounds);
+  EXPECT_FALSE(store_.find("office")->bounds);
 }
 
 TEST_F(MapStoreTest, KeepsTheRevisionWhenTheSameIsPutAgain) {
@@ -195,9 +190,9 @@ TEST_F(MapStoreTest, ReturnsTheEntryThatItStoredAfterGrowth) {
   EXPECT_EQ(found.feature_count, 12U);
   EXPECT_EQ(found.updated, "t7");
   EXPECT_EQ(found.created, "t0");
-  EXPECT_TRUE(found.has_bounds);
-  EXPECT_EQ(std::vector({found.min_x, found.min_y, found.max_x, found.max_y}),
-            std::vector({-1.0, -2.0, 3.5, 4.5}));
+  ASSERT_TRUE(found.bounds);
+  EXPECT_EQ(found.bounds->min, Point2(-1.0, -2.0));
+  EXPECT_EQ(found.bounds->max, Point2(3.5, 4.5));
 }
 
 TEST_F(MapStoreTest, KeepsTheRevisionWhenAGrowthBringsNoKeyFrame) {
@@ -212,8 +207,8 @@ TEST_F(MapStoreTest, KeepsTheRevisionWhenAGrowthBringsNoKeyFrame) {
 TEST_F(MapStoreTest, HasNoBoundsWithoutKeyFrames) {
   const MapInfo map = make_map();
   const std::vector<double> stamps = {1.0};
-  EXPECT_FALSE(store_.grow(map.id, map.revision, growth(stamps, {}), "t1")->has_bounds);
-  EXPECT_FALSE(store_.find("office")->has_bounds);
+  EXPECT_FALSE(store_.grow(map.id, map.revision, growth(stamps, {}), "t1")->bounds);
+  EXPECT_FALSE(store_.find("office")->bounds);
 }
 
 TEST_F(MapStoreTest, KnowsTheStampsOfTheMapOnly) {
@@ -306,7 +301,7 @@ TEST_F(MapStoreTest, MovesEveryKeyFrameAndNothingElseOfIt) {
     key_frame.T_map_base_link = {10.0 + static_cast<double>(poses.size()), -0.0, 1.0};
     poses.push_back(key_frame.T_map_base_link);
   }
-  const MapInfo moved = store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5").value();
+  const MapInfo moved = store_.move_key_frames(map.id, map.revision, poses, outline_, "t5").value();
   EXPECT_TRUE(is_same(store_.key_frames(map.id).value(), expected));
   EXPECT_EQ(moved.revision, map.revision + 1);
   EXPECT_EQ(moved.updated, "t5");
@@ -317,21 +312,22 @@ TEST_F(MapStoreTest, MovesEveryKeyFrameAndNothingElseOfIt) {
 TEST_F(MapStoreTest, OutlinesAMovedMapAsToldAndLeavesAnEmptyOneWithoutBounds) {
   const MapInfo map = grow(make_map(), 1);
   const std::vector<Pose2> poses = {{10.0, 20.0, 0.0}};
-  ASSERT_TRUE(store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5"));
+  ASSERT_TRUE(store_.move_key_frames(map.id, map.revision, poses, outline_, "t5"));
   const MapInfo moved = store_.find("office").value();
-  EXPECT_EQ(moved.feature_count, kOutline.feature_count);
-  EXPECT_EQ(std::vector({moved.min_x, moved.min_y, moved.max_x, moved.max_y}),
-            std::vector({11.0, 20.0, 13.0, 23.0}));
+  EXPECT_EQ(moved.feature_count, outline_.feature_count);
+  ASSERT_TRUE(moved.bounds);
+  EXPECT_EQ(moved.bounds->min, outline_.bounds->min);
+  EXPECT_EQ(moved.bounds->max, outline_.bounds->max);
   const MapInfo empty = make_map("empty");
-  const auto unmoved = store_.move_key_frames(empty.id, empty.revision, {}, kOutline, "t5");
-  EXPECT_FALSE(unmoved->has_bounds);
+  const auto unmoved = store_.move_key_frames(empty.id, empty.revision, {}, outline_, "t5");
+  EXPECT_FALSE(unmoved->bounds);
 }
 
 TEST_F(MapStoreTest, KeepsTheRevisionWhenNothingMoves) {
   const std::vector<PosedScan> key_frames = sample_key_frames(2);
   const MapInfo map = grow(make_map(), key_frames);
   const std::vector<Pose2> poses = {key_frames[0].T_map_base_link, key_frames[1].T_map_base_link};
-  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5")->revision,
+  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, poses, outline_, "t5")->revision,
             map.revision);
 }
 
@@ -339,11 +335,11 @@ TEST_F(MapStoreTest, RefusesATrajectoryOfAnotherLengthOrRevision) {
   const MapInfo map = grow(make_map(), 3);
   const std::string before = dump();
   const std::vector<Pose2> poses(3, Pose2{1.0, 2.0, 3.0});
-  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, std::span(poses).first(2), kOutline, "t5")
+  EXPECT_EQ(store_.move_key_frames(map.id, map.revision, std::span(poses).first(2), outline_, "t5")
                 .error()
                 .code,
             ErrorCode::kInvalidArgument);
-  EXPECT_EQ(store_.move_key_frames(map.id, map.revision + 1, poses, kOutline, "t5").error().code,
+  EXPECT_EQ(store_.move_key_frames(map.id, map.revision + 1, poses, outline_, "t5").error().code,
             ErrorCode::kConflict);
   EXPECT_EQ(dump(), before);
 }
@@ -370,7 +366,7 @@ TEST_F(MapStoreTest, HasTheDigestOfTheMovedContentAsIfItHadBeenMappedSo) {
   const MapInfo moved_away = [&] {
     const MapInfo map = grow(make_map("moved"), key_frames);
     const std::vector<Pose2> poses(3, Pose2{1.0, 2.0, 3.0});
-    return store_.move_key_frames(map.id, map.revision, poses, kOutline, "t5").value();
+    return store_.move_key_frames(map.id, map.revision, poses, outline_, "t5").value();
   }();
   for (PosedScan& key_frame : key_frames) key_frame.T_map_base_link = {1.0, 2.0, 3.0};
   EXPECT_EQ(grow(make_map("mapped"), key_frames).digest, moved_away.digest);
@@ -490,7 +486,8 @@ OccupancyGrid small_plan(Cell first) {
 
 TEST_F(MapStoreTest, MakesAMapOfAFloorMapAndReplacesIt) {
   const OccupancyGrid plan = small_plan(Cell::kFree);
-  EXPECT_TRUE(store_.put_floor_map("plan", {.grid = plan, .feature_count = 4}, "t1").value());
+  EXPECT_TRUE(
+      store_.put_floor_map("plan", {.grid = plan, .outline = {.feature_count = 4}}, "t1").value());
   const MapInfo first = store_.find("plan").value();
   EXPECT_TRUE(first.has_floor_map);
   EXPECT_EQ(first.revision, 1U);

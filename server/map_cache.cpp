@@ -1,0 +1,35 @@
+#include "server/map_cache.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace cornerfix::server {
+
+LocalizationMapPtr MapCache::find(const Key& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(entries_, key, &Entry::key);
+  if (found == entries_.end()) return nullptr;
+  entries_.splice(entries_.begin(), entries_, found);
+  return entries_.front().map;
+}
+
+void MapCache::keep(const Key& key, const LocalizationMapPtr& map) {
+  const std::lock_guard lock(mutex_);
+  entries_.remove_if([&](const Entry& old) { return old.key.first == key.first; });
+  entries_.push_front({key, map, map->bytes()});
+  std::size_t bytes = 0;
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    bytes += entry->bytes;
+    const bool is_first = entry == entries_.begin();
+    entry = bytes > max_bytes_ && !is_first ? entries_.erase(entry) : std::next(entry);
+  }
+}
+
+MapCacheUse MapCache::use() {
+  const std::lock_guard lock(mutex_);
+  MapCacheUse use{.maps = entries_.size()};
+  for (const Entry& entry : entries_) use.bytes += entry.bytes;
+  return use;
+}
+
+}  // namespace cornerfix::server

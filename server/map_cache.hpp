@@ -1,0 +1,44 @@
+/// \file  Maps that are ready to localize in, kept for the next asker.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <mutex>
+#include <utility>
+
+#include <cornerfix/localization_map.hpp>
+
+namespace cornerfix::server {
+
+struct MapCacheUse {
+  std::size_t maps = 0;
+  std::size_t bytes = 0;
+};
+
+/// One revision a map, those last asked for as far as they have room. Any threads may call.
+class MapCache {
+ public:
+  using Key = std::pair<std::int64_t, std::uint64_t>;  ///< Map id and revision.
+
+  explicit MapCache(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  /// Null when it is not there.
+  [[nodiscard]] LocalizationMapPtr find(const Key& key);
+  /// In place of other revisions of the map. The newest stays, however large it is.
+  void keep(const Key& key, const LocalizationMapPtr& map);
+  [[nodiscard]] MapCacheUse use();
+
+ private:
+  struct Entry {
+    Key key;
+    LocalizationMapPtr map;
+    std::size_t bytes = 0;
+  };
+
+  std::size_t max_bytes_;
+  std::mutex mutex_;
+  std::list<Entry> entries_;  ///< Last used first.
+};
+
+}  // namespace cornerfix::server
