@@ -3,15 +3,12 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <ctime>
 #include <exception>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
@@ -20,11 +17,11 @@
 
 #include "api/json_codec.hpp"
 #include "server/access.hpp"
-#include "server/body_buffer.hpp"
 #include "server/connection.hpp"
 #include "server/event_hub.hpp"
 #include "server/http_message.hpp"
 #include "server/media_types.hpp"
+#include "server/request_body.hpp"
 #include "server/responses.hpp"
 #include "server/router.hpp"
 #include "server/routes.hpp"
@@ -44,13 +41,8 @@ constexpr int kListenBacklog = 1024;  // A fleet that reconnects at once.
 constexpr std::size_t kKeepAliveRequests = 1'000'000;
 constexpr std::chrono::seconds kReadTimeout{5};
 constexpr std::chrono::seconds kWriteTimeout{5};
-constexpr std::chrono::seconds kBodyDeadline{30};  // For all of it, however steadily it drips.
 constexpr std::chrono::seconds kHeartbeat{5};
 constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
-constexpr const char* kEmptyObject = "{}";
-constexpr std::size_t kMaxArchiveBytes = std::size_t{256} << 20U;
-constexpr std::size_t kMaxFormParts = 8;
-constexpr std::size_t kMaxDroppedBytes = std::size_t{64} << 20U;
 
 constexpr const char* kContentSecurityPolicy =
     "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
@@ -100,30 +92,6 @@ std::string random_prefix() {
   return fmt::format("{:08x}", random());
 }
 
-/// How the body of a request is delimited (RFC 9112, 6).
-struct Framing {
-  enum class Kind { kNone, kLength, kChunked, kBad };
-  Kind kind = Kind::kNone;
-  std::uint64_t length = 0;
-};
-
-Framing framing_of(const httplib::Request& raw) {
-  const bool has_encoding = raw.has_header("Transfer-Encoding");
-  const std::size_t lengths = raw.get_header_value_count("Content-Length");
-  if (has_encoding) {
-    const bool is_chunked =
-        strcasecmp(raw.get_header_value("Transfer-Encoding").c_str(), "chunked") == 0;
-    // Both together is how requests are smuggled past a proxy.
-    return {is_chunked && lengths == 0 ? Framing::Kind::kChunked : Framing::Kind::kBad};
-  }
-  if (lengths == 0) return {};
-  const std::string text = raw.get_header_value("Content-Length");
-  Framing framing{Framing::Kind::kLength};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), framing.length);
-  const bool is_number = error == std::errc{} && end == text.data() + text.size();
-  return is_number && lengths == 1 ? framing : Framing{Framing::Kind::kBad};
-}
-
 bool may_have_body(std::string_view method) {
   return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
 }
@@ -132,108 +100,6 @@ bool may_have_body(std::string_view method) {
 bool is_cross_site(const httplib::Request& raw) {
   const std::string site = raw.get_header_value("Sec-Fetch-Site");
   return site == "cross-site" || site == "same-site";
-}
-
-/// One request on its way to its answer.
-struct Exchange {
-  httplib::Request& raw;
-  const httplib::ContentReader* reader;  ///< Null when the library reads no body for the method.
-  Framing framing{};
-  Request request{};
-  std::string route = "none";  ///< Pattern, for the metrics.
-  bool body_was_read = false;
-  bool close = false;  ///< What follows on the connection cannot be trusted.
-};
-
-/// Reads the body as it comes over the wire. Without these headers the library neither inflates,
-/// which it does without a limit, nor looks for the parts of a form.
-bool read_raw(Exchange& exchange, const httplib::ContentReceiver& receiver) {
-  exchange.body_was_read = true;
-  exchange.raw.headers.erase("Content-Encoding");
-  exchange.raw.headers.erase("Content-Type");
-  return (*exchange.reader)(receiver);
-}
-
-Response too_large(std::size_t limit) {
-  return problem_response(
-      413, "too_large",
-      "A body has at most " + std::to_string(limit) + " bytes, after decompression.");
-}
-
-/// Takes what is left of the body off the wire, so that the next request begins where it should.
-void drop_body(Exchange& exchange) {
-  if (exchange.body_was_read || exchange.framing.kind == Framing::Kind::kNone) return;
-  const bool is_readable = exchange.reader != nullptr &&
-                           exchange.framing.kind != Framing::Kind::kBad &&
-                           exchange.framing.length <= kMaxDroppedBytes;
-  if (!is_readable) {
-    exchange.close = true;
-    return;
-  }
-  const auto deadline = SteadyClock::now() + kBodyDeadline;
-  std::size_t dropped = 0;
-  const bool is_complete = read_raw(exchange, [&](const char*, std::size_t size) {
-    dropped += size;
-    return dropped <= kMaxDroppedBytes && SteadyClock::now() < deadline;
-  });
-  exchange.close |= !is_complete;
-}
-
-/// The body, inflated; or the answer to a body that is not to be had.
-std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std::size_t limit) {
-  if (exchange.framing.length > limit) return too_large(limit);
-  const auto deadline = SteadyClock::now() + kBodyDeadline;
-  BodyBuffer buffer(gzip, limit);
-  std::size_t received = 0;
-  bool is_too_late = false;
-  const bool is_complete = read_raw(exchange, [&](const char* data, std::size_t size) {
-    received += size;
-    is_too_late = SteadyClock::now() >= deadline;
-    buffer.append({data, size});
-    return !is_too_late && received <= std::max(limit, kMaxDroppedBytes);
-  });
-  exchange.close |= !is_complete;
-  if (is_too_late) return problem_response(408, "timeout", "The body took too long to arrive.");
-  const BodyBuffer::State state = buffer.finish();
-  if (state == BodyBuffer::State::kTooLarge) return too_large(limit);
-  if (!is_complete) return problem_response(400, "malformed", "The body ended early.");
-  if (state == BodyBuffer::State::kBadGzip) {
-    return problem_response(400, "malformed", "The body is not gzip, or ends early.");
-  }
-  return buffer.take();
-}
-
-/// The parts of a form by name, read by the library, or the answer to a form that is not to be had.
-std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& exchange,
-                                                                     std::size_t limit) {
-  if (exchange.framing.length > limit) return too_large(limit);
-  const auto deadline = SteadyClock::now() + kBodyDeadline;
-  std::map<std::string, std::string> parts;
-  std::string* part = nullptr;
-  std::size_t received = 0;
-  bool is_too_large = false;
-  bool is_repeated = false;
-  exchange.body_was_read = true;
-  const bool is_complete = (*exchange.reader)(
-      [&](const httplib::MultipartFormData& header) {
-        const auto [at, is_new] = parts.try_emplace(header.name);
-        part = &at->second;
-        received += header.name.size();
-        is_repeated |= !is_new;
-        return is_new && parts.size() <= kMaxFormParts;
-      },
-      [&](const char* data, std::size_t size) {
-        received += size;
-        is_too_large = received > limit;
-        if (is_too_large || SteadyClock::now() >= deadline) return false;
-        part->append(data, size);
-        return true;
-      });
-  exchange.close |= !is_complete;
-  if (is_too_large) return too_large(limit);
-  if (is_repeated) return problem_response(400, "malformed", "A part is there twice.");
-  if (!is_complete) return problem_response(400, "malformed", "The form cannot be read.");
-  return parts;
 }
 
 Response uri_too_long() {
@@ -249,15 +115,6 @@ Response unread_problem(const httplib::Request& raw, int status) {
                             "The headers do not end, or one has more than 8192 bytes.");
   }
   return problem_response(status, "malformed", "The request cannot be read.");
-}
-
-Response unsupported_media_type(const std::string& content_type) {
-  std::string detail =
-      "Send application/json, application/cbor or application/msgpack, not " + content_type + ".";
-  if (content_type.starts_with("application/x-www-form-urlencoded")) {
-    detail += " (That is curl's default: add -H 'Content-Type: application/json'.)";
-  }
-  return problem_response(415, "unsupported_media_type", detail);
 }
 
 }  // namespace
@@ -289,8 +146,6 @@ struct HttpServer::Impl {
   Response answer_by_route(Exchange& exchange);
   Response answer_by_file(Exchange& exchange, const PathSegments& path);
   std::optional<Response> refuse(Exchange& exchange, Access access);
-  std::optional<Response> take_body(Exchange& exchange, BodyRule rule);
-  std::optional<Response> take_form(Exchange& exchange);
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
 
@@ -479,7 +334,7 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   request.answer_format = best_format(raw.get_header_value("Accept"));
   request.if_none_match = raw.get_header_value("If-None-Match");
   if (may_have_body(raw.method)) {
-    if (auto refusal = take_body(exchange, route->body)) return *refusal;
+    if (auto refusal = take_body(exchange, route->body, config.max_body_bytes)) return *refusal;
   }
   return route->handler(request);
 }
@@ -515,55 +370,6 @@ std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access acce
     return problem_response(403, "forbidden", "The token's role does not allow this.");
   }
   exchange.request.principal = *principal;
-  return std::nullopt;
-}
-
-std::optional<Response> HttpServer::Impl::take_body(Exchange& exchange, BodyRule rule) {
-  if (rule == BodyRule::kIgnored) return std::nullopt;
-  if (exchange.framing.kind == Framing::Kind::kNone) {
-    if (rule == BodyRule::kOptionalDocument) {
-      exchange.request.body = kEmptyObject;
-      return std::nullopt;
-    }
-    return problem_response(411, "length_required", "A body with Content-Length is needed.");
-  }
-  if (rule == BodyRule::kForm) return take_form(exchange);
-  const bool is_archive = rule == BodyRule::kArchive;
-  const std::string content_type = exchange.raw.get_header_value("Content-Type");
-  const auto format = is_archive ? api::BodyFormat::kJson : format_of_content_type(content_type);
-  if (!format) return unsupported_media_type(content_type);
-  if (is_archive && content_type != kArchiveType) {
-    return problem_response(415, "unsupported_media_type",
-                            std::string("Send an archive as ") + kArchiveType + ".");
-  }
-  std::string encoding = exchange.raw.get_header_value("Content-Encoding");
-  const bool is_gzip = strcasecmp(encoding.c_str(), "gzip") == 0;
-  if (!is_gzip && !encoding.empty() && strcasecmp(encoding.c_str(), "identity") != 0) {
-    Response response = problem_response(415, "unsupported_media_type",
-                                         "Content-Encoding is gzip or none, not " + encoding + ".");
-    response.headers.emplace_back("Accept-Encoding", "gzip");
-    return response;
-  }
-  auto body = read_body(exchange, is_gzip, is_archive ? kMaxArchiveBytes : config.max_body_bytes);
-  if (auto* refusal = std::get_if<Response>(&body)) return std::move(*refusal);
-  exchange.request.body_format = *format;
-  exchange.request.body = std::move(std::get<std::string>(body));
-  if (rule == BodyRule::kOptionalDocument && exchange.request.body.empty()) {
-    exchange.request.body = kEmptyObject;
-    exchange.request.body_format = api::BodyFormat::kJson;
-  }
-  return std::nullopt;
-}
-
-std::optional<Response> HttpServer::Impl::take_form(Exchange& exchange) {
-  const bool is_form = exchange.raw.is_multipart_form_data();
-  if (!is_form || exchange.raw.has_header("Content-Encoding")) {
-    return problem_response(415, "unsupported_media_type",
-                            "Send multipart/form-data without Content-Encoding, as curl -F does.");
-  }
-  auto form = read_form(exchange, config.max_body_bytes);
-  if (auto* refusal = std::get_if<Response>(&form)) return std::move(*refusal);
-  exchange.request.parts = std::move(std::get<0>(form));
   return std::nullopt;
 }
 

@@ -1,0 +1,199 @@
+#include "server/request_body.hpp"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "server/body_buffer.hpp"
+#include "server/media_types.hpp"
+#include "server/responses.hpp"
+
+// Last, because its <resolv.h> defines a macro `_res` that breaks Eigen's headers after it.
+#include <httplib.h>
+
+namespace cornerfix::server {
+namespace {
+
+using BodyClock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kBodyDeadline{30};  // For all of it, however steadily it drips.
+constexpr const char* kEmptyObject = "{}";
+constexpr std::size_t kMaxArchiveBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMaxFormParts = 8;
+constexpr std::size_t kMaxDroppedBytes = std::size_t{64} << 20U;
+
+/// Reads the body as it comes over the wire. Without these headers the library neither inflates,
+/// which it does without a limit, nor looks for the parts of a form.
+bool read_raw(Exchange& exchange, const httplib::ContentReceiver& receiver) {
+  exchange.body_was_read = true;
+  exchange.raw.headers.erase("Content-Encoding");
+  exchange.raw.headers.erase("Content-Type");
+  return (*exchange.reader)(receiver);
+}
+
+Response too_large(std::size_t limit) {
+  return problem_response(
+      413, "too_large",
+      "A body has at most " + std::to_string(limit) + " bytes, after decompression.");
+}
+
+/// The body, inflated; or the answer to a body that is not to be had.
+std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std::size_t limit) {
+  if (exchange.framing.length > limit) return too_large(limit);
+  const auto deadline = BodyClock::now() + kBodyDeadline;
+  BodyBuffer buffer(gzip, limit);
+  std::size_t received = 0;
+  bool is_too_late = false;
+  const bool is_complete = read_raw(exchange, [&](const char* data, std::size_t size) {
+    received += size;
+    is_too_late = BodyClock::now() >= deadline;
+    buffer.append({data, size});
+    return !is_too_late && received <= std::max(limit, kMaxDroppedBytes);
+  });
+  exchange.close |= !is_complete;
+  if (is_too_late) return problem_response(408, "timeout", "The body took too long to arrive.");
+  const BodyBuffer::State state = buffer.finish();
+  if (state == BodyBuffer::State::kTooLarge) return too_large(limit);
+  if (!is_complete) return problem_response(400, "malformed", "The body ended early.");
+  if (state == BodyBuffer::State::kBadGzip) {
+    return problem_response(400, "malformed", "The body is not gzip, or ends early.");
+  }
+  return buffer.take();
+}
+
+/// The parts of a form by name, read by the library, or the answer to a form that is not to be had.
+std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& exchange,
+                                                                     std::size_t limit) {
+  if (exchange.framing.length > limit) return too_large(limit);
+  const auto deadline = BodyClock::now() + kBodyDeadline;
+  std::map<std::string, std::string> parts;
+  std::string* part = nullptr;
+  std::size_t received = 0;
+  bool is_too_large = false;
+  bool is_repeated = false;
+  exchange.body_was_read = true;
+  const bool is_complete = (*exchange.reader)(
+      [&](const httplib::MultipartFormData& header) {
+        const auto [at, is_new] = parts.try_emplace(header.name);
+        part = &at->second;
+        received += header.name.size();
+        is_repeated |= !is_new;
+        return is_new && parts.size() <= kMaxFormParts;
+      },
+      [&](const char* data, std::size_t size) {
+        received += size;
+        is_too_large = received > limit;
+        if (is_too_large || BodyClock::now() >= deadline) return false;
+        part->append(data, size);
+        return true;
+      });
+  exchange.close |= !is_complete;
+  if (is_too_large) return too_large(limit);
+  if (is_repeated) return problem_response(400, "malformed", "A part is there twice.");
+  if (!is_complete) return problem_response(400, "malformed", "The form cannot be read.");
+  return parts;
+}
+
+Response unsupported_media_type(const std::string& content_type) {
+  std::string detail =
+      "Send application/json, application/cbor or application/msgpack, not " + content_type + ".";
+  if (content_type.starts_with("application/x-www-form-urlencoded")) {
+    detail += " (That is curl's default: add -H 'Content-Type: application/json'.)";
+  }
+  return problem_response(415, "unsupported_media_type", detail);
+}
+
+std::optional<Response> take_form(Exchange& exchange, std::size_t limit) {
+  const bool is_form = exchange.raw.is_multipart_form_data();
+  if (!is_form || exchange.raw.has_header("Content-Encoding")) {
+    return problem_response(415, "unsupported_media_type",
+                            "Send multipart/form-data without Content-Encoding, as curl -F does.");
+  }
+  auto form = read_form(exchange, limit);
+  if (auto* refusal = std::get_if<Response>(&form)) return std::move(*refusal);
+  exchange.request.parts = std::move(std::get<0>(form));
+  return std::nullopt;
+}
+
+}  // namespace
+
+Framing framing_of(const httplib::Request& raw) {
+  const bool has_encoding = raw.has_header("Transfer-Encoding");
+  const std::size_t lengths = raw.get_header_value_count("Content-Length");
+  if (has_encoding) {
+    const bool is_chunked =
+        strcasecmp(raw.get_header_value("Transfer-Encoding").c_str(), "chunked") == 0;
+    // Both together is how requests are smuggled past a proxy.
+    return {is_chunked && lengths == 0 ? Framing::Kind::kChunked : Framing::Kind::kBad};
+  }
+  if (lengths == 0) return {};
+  const std::string text = raw.get_header_value("Content-Length");
+  Framing framing{Framing::Kind::kLength};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), framing.length);
+  const bool is_number = error == std::errc{} && end == text.data() + text.size();
+  return is_number && lengths == 1 ? framing : Framing{Framing::Kind::kBad};
+}
+
+std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t limit) {
+  if (rule == BodyRule::kIgnored) return std::nullopt;
+  if (exchange.framing.kind == Framing::Kind::kNone) {
+    if (rule == BodyRule::kOptionalDocument) {
+      exchange.request.body = kEmptyObject;
+      return std::nullopt;
+    }
+    return problem_response(411, "length_required", "A body with Content-Length is needed.");
+  }
+  if (rule == BodyRule::kForm) return take_form(exchange, limit);
+  const bool is_archive = rule == BodyRule::kArchive;
+  const std::string content_type = exchange.raw.get_header_value("Content-Type");
+  const auto format = is_archive ? api::BodyFormat::kJson : format_of_content_type(content_type);
+  if (!format) return unsupported_media_type(content_type);
+  if (is_archive && content_type != kArchiveType) {
+    return problem_response(415, "unsupported_media_type",
+                            std::string("Send an archive as ") + kArchiveType + ".");
+  }
+  std::string encoding = exchange.raw.get_header_value("Content-Encoding");
+  const bool is_gzip = strcasecmp(encoding.c_str(), "gzip") == 0;
+  if (!is_gzip && !encoding.empty() && strcasecmp(encoding.c_str(), "identity") != 0) {
+    Response response = problem_response(415, "unsupported_media_type",
+                                         "Content-Encoding is gzip or none, not " + encoding + ".");
+    response.headers.emplace_back("Accept-Encoding", "gzip");
+    return response;
+  }
+  auto body = read_body(exchange, is_gzip, is_archive ? kMaxArchiveBytes : limit);
+  if (auto* refusal = std::get_if<Response>(&body)) return std::move(*refusal);
+  exchange.request.body_format = *format;
+  exchange.request.body = std::move(std::get<std::string>(body));
+  if (rule == BodyRule::kOptionalDocument && exchange.request.body.empty()) {
+    exchange.request.body = kEmptyObject;
+    exchange.request.body_format = api::BodyFormat::kJson;
+  }
+  return std::nullopt;
+}
+
+void drop_body(Exchange& exchange) {
+  if (exchange.body_was_read || exchange.framing.kind == Framing::Kind::kNone) return;
+  const bool is_readable = exchange.reader != nullptr &&
+                           exchange.framing.kind != Framing::Kind::kBad &&
+                           exchange.framing.length <= kMaxDroppedBytes;
+  if (!is_readable) {
+    exchange.close = true;
+    return;
+  }
+  const auto deadline = BodyClock::now() + kBodyDeadline;
+  std::size_t dropped = 0;
+  const bool is_complete = read_raw(exchange, [&](const char*, std::size_t size) {
+    dropped += size;
+    return dropped <= kMaxDroppedBytes && BodyClock::now() < deadline;
+  });
+  exchange.close |= !is_complete;
+}
+
+}  // namespace cornerfix::server

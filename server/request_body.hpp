@@ -1,0 +1,47 @@
+/// \file  How the body of a request comes off the wire: as it is framed, inflated, in parts or not
+/// at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "server/http_message.hpp"
+#include "server/router.hpp"
+
+namespace httplib {
+struct Request;
+class ContentReader;
+}  // namespace httplib
+
+namespace cornerfix::server {
+
+/// How the body of a request is delimited (RFC 9112, 6).
+struct Framing {
+  enum class Kind { kNone, kLength, kChunked, kBad };
+  Kind kind = Kind::kNone;
+  std::uint64_t length = 0;
+};
+[[nodiscard]] Framing framing_of(const httplib::Request& raw);
+
+/// One request on its way to its answer.
+struct Exchange {
+  httplib::Request& raw;
+  const httplib::ContentReader* reader;  ///< Null when the library reads no body for the method.
+  Framing framing{};
+  Request request{};
+  std::string route = "none";  ///< Pattern, for the metrics.
+  bool body_was_read = false;
+  bool close = false;  ///< What follows on the connection cannot be trusted.
+};
+
+/// Reads the body into the exchange's request, by the route's rule and `limit` bytes at most, or
+/// answers one that is not to be had. Of an archive or a form the content type is checked, too.
+[[nodiscard]] std::optional<Response> take_body(Exchange& exchange, BodyRule rule,
+                                                std::size_t limit);
+
+/// Takes what is left of the body off the wire, so that the next request begins where it should.
+void drop_body(Exchange& exchange);
+
+}  // namespace cornerfix::server
