@@ -15,16 +15,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A ray is moved this far past a cell's edge, so that rounding cannot leave it where it was.
 constexpr double kEdgeSlackCells = 1e-6;
 
-/// The cell that a ray goes on in, along one axis: from a grid line it looks along its direction.
-double cell_ahead(double position, double direction) {
-  return direction < 0.0 ? std::ceil(position) - 1.0 : std::floor(position);
+/// The cell that a ray goes on in, along one axis, from a place in the grid: on a grid line it
+/// looks along its direction.
+int cell_ahead(double position, double direction) {
+  const int cell = static_cast<int>(position);
+  return direction < 0.0 && cell == position ? cell - 1 : cell;
 }
 
-/// Cells along a ray until it crosses the next grid line of one axis.
-double cells_to_grid_line(double position, double cell, double direction) {
-  if (direction > 0.0) return (cell + 1.0 - position) / direction;
-  if (direction < 0.0) return (cell - position) / direction;
-  return kInfinity;
+/// Cells along a ray until it crosses the next grid line of one axis. \param slope  1 / direction.
+double cells_to_grid_line(double position, int cell, double slope) {
+  if (slope > 0.0) return (cell + 1 - position) * slope;
+  return (cell - position) * slope;
 }
 
 }  // namespace
@@ -34,32 +35,39 @@ RayCaster::RayCaster(const OccupancyGrid& grid)
       resolution_(grid.resolution),
       width_(grid.width),
       height_(grid.height),
-      distance_m_(distances_to_walls(grid)) {
-  for (float& distance : distance_m_) distance *= static_cast<float>(resolution_);
-}
+      distance_(distances_to_walls(grid)) {}
 
 double RayCaster::cast(const Point2& origin_map, double heading_map, double range_max_m) const {
   const Point2 origin = T_grid_map_ * origin_map / resolution_;  // In cells.
   const double heading = T_grid_map_.yaw + heading_map;
   const Point2 direction{std::cos(heading), std::sin(heading)};
+  // An axis that the ray runs across all but exactly is never what it meets next.
+  const auto slope_of = [](double along) {
+    return std::copysign(1.0 / std::max(std::abs(along), 1e-12), along);
+  };
+  const Point2 slope{slope_of(direction.x()), slope_of(direction.y())};
   const double range_max_cells = range_max_m / resolution_;
 
   for (double range = 0.0; range <= range_max_cells;) {
     const Point2 position = origin + range * direction;
-    const double column = cell_ahead(position.x(), direction.x());
-    const double row = cell_ahead(position.y(), direction.y());
-    if (column < 0.0 || row < 0.0 || column >= width_ || row >= height_) return kInfinity;
-    const auto offset = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-                        static_cast<std::size_t>(column);
-    const double centre_distance = static_cast<double>(distance_m_[offset]) / resolution_;
+    const bool is_inside = position.x() >= 0.0 && position.y() >= 0.0 && position.x() <= width_ &&
+                           position.y() <= height_;
+    if (!is_inside) return kInfinity;
+    const int column = cell_ahead(position.x(), direction.x());
+    const int row = cell_ahead(position.y(), direction.y());
+    if (column < 0 || row < 0 || column >= width_ || row >= height_) return kInfinity;
+    const auto centre_distance = static_cast<double>(
+        distance_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+                  static_cast<std::size_t>(column)]);
     if (centre_distance == 0.0) return range * resolution_;
 
-    // Nearer than this no wall can be: its square reaches half a diagonal about its centre.
-    const double from_centre = (position - Point2{column + 0.5, row + 0.5}).norm();
-    const double free_way = centre_distance - from_centre - std::numbers::sqrt2 / 2.0;
-    const double to_next_cell = std::min(cells_to_grid_line(position.x(), column, direction.x()),
-                                         cells_to_grid_line(position.y(), row, direction.y()));
-    range += std::max(free_way, to_next_cell + kEdgeSlackCells);
+    // Nearer than this no wall can be: both its square and that of this cell reach half a diagonal
+    // about their centres.
+    const double free_way = centre_distance - std::numbers::sqrt2;
+    range += free_way > 1.0 ? free_way
+                            : std::min(cells_to_grid_line(position.x(), column, slope.x()),
+                                       cells_to_grid_line(position.y(), row, slope.y())) +
+                                  kEdgeSlackCells;
   }
   return kInfinity;
 }
@@ -85,7 +93,7 @@ double RayCaster::clearance(const Point2& point_map) const {
   const auto offset = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
                       static_cast<std::size_t>(column);
   // From centre to centre it was; the wall begins half a cell before its own.
-  return std::max(0.0, static_cast<double>(distance_m_[offset]) - 0.5 * resolution_);
+  return std::max(0.0, static_cast<double>(distance_[offset]) - 0.5) * resolution_;
 }
 
 }  // namespace cornerfix

@@ -33,7 +33,7 @@ class RayCaster {
   double resolution_ = 0.0;
   int width_ = 0;
   int height_ = 0;
-  std::vector<float> distance_m_;
+  std::vector<float> distance_;  ///< From the centre of each cell to that of a wall's [cells].
 };
 
 }  // namespace cornerfix
