@@ -37,9 +37,9 @@ rm -rf "$results"
 mkdir -p "$results"
 
 if [[ $mode == quick ]]; then
-  seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 many=10 lengths="--mapping-length 500 --asking-length 120"
+  seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 many=10 asked=10 lengths="--mapping-length 500 --asking-length 120"
 else
-  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 many=100 lengths=""
+  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 many=100 asked=40 lengths=""
 fi
 
 starts=${robots:-$starts}
@@ -70,15 +70,17 @@ simulated() {  # NAME MAP [INSIDE]
   fi
 }
 
-# Of all buildings there are but one, separated by commas.
-others() {  # SUFFIX FILE
-  find "$data" -name "*$1" ! -path "$2" | LC_ALL=C sort | paste -sd,
+# An option with the files of all buildings but one.
+others() {  # OPTION SUFFIX FILE
+  local files
+  files=$(find "$data" -name "*$2" ! -path "$3" | LC_ALL=C sort | paste -sd,)
+  [[ -z $files ]] || echo "$1 $files"
 }
 # A line a program; the long ones first.
 work() {
   buildings | while read -r name kind file options; do
     [[ $kind == --log ]] || continue
-    echo "maps --name $name $kind $file $options --logs $(others .jsonl.gz "$file") --floor-maps $(others .yaml -) --maps $many --starts $starts"
+    echo "maps --name $name $kind $file $options $(others --logs .jsonl.gz "$file") $(others --floor-maps .yaml -) --maps $many --starts $asked"
   done
   while read -r name source; do
     echo "robots --name $name $source --starts $starts"
@@ -102,7 +104,7 @@ describe_run() {
   echo "date,$(date -u +%Y-%m-%d)"
   echo "load,$(cut -d' ' -f1 /proc/loadavg)"
   echo "mode,$mode"
-  echo "settings,seeds $seeds; trials $trials; worlds $worlds; maps $many; robots a building $starts"
+  echo "settings,seeds $seeds; trials $trials; worlds $worlds; robots among $many maps $asked; robots a building $starts"
 }
 
 describe_run >"$results/run.csv"
