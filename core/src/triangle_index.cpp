@@ -53,9 +53,15 @@ double reach_of(std::span<const Point2> points, std::size_t k) {
   return *middle;
 }
 
+/// ln n!. Not by std::lgamma(), which writes a global that threads would race for.
+double log_factorial(int n) {
+  int sign = 0;
+  return ::lgamma_r(n + 1.0, &sign);
+}
+
 /// ln P(at least k of n), each with probability p.
 double log_binomial_tail(int n, int k, double p) {
-  const double log_first = std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) +
+  const double log_first = log_factorial(n) - log_factorial(k) - log_factorial(n - k) +
                            k * std::log(p) + (n - k) * std::log1p(-p);
   double sum = 0.0;
   double term = 1.0;  // relative to the first
