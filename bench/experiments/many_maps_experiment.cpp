@@ -155,7 +155,6 @@ void add_many_maps_experiment(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_option("--starts", arguments->starts, "Robots switched on along the drive")
       ->check(CLI::PositiveNumber);
-  command->add_option("--batch", arguments->batch, "Scans a question")->check(CLI::PositiveNumber);
   add_out_option(*command, arguments->out);
   command->callback([arguments] { run(*arguments); });
 }
