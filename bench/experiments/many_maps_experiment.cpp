@@ -24,7 +24,6 @@ struct ManyMapsArguments {
   std::vector<std::string> floor_maps;  ///< Of other buildings.
   std::size_t maps = 100;
   std::size_t starts = 100;
-  double near_m = 1.5;  ///< Starts farther from every mapping pose are left out.
   std::filesystem::path out = ".";
 };
 
@@ -112,7 +111,6 @@ void run(const ManyMapsArguments& arguments) {
                 "building,maps,starts,right,wrong,way_p50_m,way_p90_m,mean_ms,p50_ms,p95_ms");
   cli::EvaluationOptions options;
   options.starts = arguments.starts;
-  options.near_m = arguments.near_m;
   options.batch = 1;
   options.track_m = 0.0;
   for (const std::vector<LocalizationMapPtr>& maps : {std::vector{all.front()}, all}) {

@@ -22,10 +22,11 @@ int cell_ahead(double position, double direction) {
   return direction < 0.0 && cell == position ? cell - 1 : cell;
 }
 
-/// Cells along a ray until it crosses the next grid line of one axis. \param slope  1 / direction.
+/// Cells along a ray until it crosses the next grid line of one axis. \param slope  1 / direction,
+/// infinite when the ray runs along the grid lines.
 double cells_to_grid_line(double position, int cell, double slope) {
-  if (slope > 0.0) return (cell + 1 - position) * slope;
-  return (cell - position) * slope;
+  if (std::isinf(slope)) return kInfinity;
+  return (slope > 0.0 ? cell + 1 - position : cell - position) * slope;
 }
 
 }  // namespace
@@ -41,11 +42,7 @@ double RayCaster::cast(const Point2& origin_map, double heading_map, double rang
   const Point2 origin = T_grid_map_ * origin_map / resolution_;  // In cells.
   const double heading = T_grid_map_.yaw + heading_map;
   const Point2 direction{std::cos(heading), std::sin(heading)};
-  // An axis that the ray runs across all but exactly is never what it meets next.
-  const auto slope_of = [](double along) {
-    return std::copysign(1.0 / std::max(std::abs(along), 1e-12), along);
-  };
-  const Point2 slope{slope_of(direction.x()), slope_of(direction.y())};
+  const Point2 slope = direction.cwiseInverse();
   const double range_max_cells = range_max_m / resolution_;
 
   for (double range = 0.0; range <= range_max_cells;) {

@@ -69,6 +69,26 @@ TEST(RayCaster, DoesNotCreepAlongAGridLine) {
   EXPECT_NEAR(RayCaster(corridor).cast({2'400.0, 0.25}, -kPi, 3'000.0), 2'399.875, 1e-3);
 }
 
+TEST(RayCaster, TakesMinusZeroForADirectionAsItTakesZero) {
+  OccupancyGrid corridor;  // So narrow that a ray goes from grid line to grid line.
+  corridor.resolution = 0.125;
+  corridor.width = 20'000;
+  corridor.height = 4;
+  corridor.cells.assign(80'000, Cell::kFree);
+  for (int column = 0; column < corridor.width; ++column) {
+    corridor.cells[corridor.offset({column, 0})] = Cell::kOccupied;
+    corridor.cells[corridor.offset({column, 3})] = Cell::kOccupied;
+  }
+  corridor.cells[corridor.offset({19'999, 2})] = Cell::kOccupied;
+  corridor.cells[corridor.offset({19'999, 1})] = Cell::kOccupied;
+  const RayCaster caster(corridor);
+  for (const double beside : {0.0, 1e-16, -1e-16}) {  // Of a grid line.
+    const Point2 origin{2.0, 0.25 + beside};
+    EXPECT_NEAR(caster.cast(origin, -0.0, 3'000.0), 2'497.875, 1e-2) << beside;
+    EXPECT_EQ(caster.cast(origin, -0.0, 3'000.0), caster.cast(origin, 0.0, 3'000.0)) << beside;
+  }
+}
+
 TEST(RayCaster, SeesASingleOccupiedCellFromAfar) {
   OccupancyGrid grid = box_room(0.05);
   grid.cells[grid.offset(grid.cell_of({9.025 + 0.05, 4.025 + 0.05}))] = Cell::kOccupied;
