@@ -37,9 +37,9 @@ rm -rf "$results"
 mkdir -p "$results"
 
 if [[ $mode == quick ]]; then
-  seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 many=10 asked=10 lengths="--mapping-length 500 --asking-length 120"
+  seeds=20 trials=10 largest=30000 worlds=3 starts=4 tracked=1 many=10 asked=10 standing=40 interleaved=4 lengths="--mapping-length 500 --asking-length 120"
 else
-  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 many=100 asked=40 lengths=""
+  seeds=200 trials=100 largest=300000 worlds=40 starts=50 tracked=3 many=100 asked=40 standing=200 interleaved=20 lengths=""
 fi
 
 starts=${robots:-$starts}
@@ -85,9 +85,15 @@ work() {
   while read -r name source; do
     echo "robots --name $name $source --starts $starts"
   done < <(buildings)
-  while read -r name source; do
-    echo "tracking --name $name $source --starts $tracked"
-  done < <(buildings)
+  buildings | while read -r name kind file options; do
+    echo "tracking --name $name $kind $file $options $([[ $kind != --log ]] || echo --even-odd) --starts $tracked"
+  done
+  # Whether the rivals reach what was measured of their originals.
+  buildings | while read -r name kind file options; do
+    [[ $kind == --log && ( $name == intel || $name == freiburg_079 ) ]] || continue
+    echo "robots --name ${name}_standing $kind $file --split 0.5 --methods cartographer_full --starts $standing --way 0 --time 0"
+    echo "robots --name ${name}_even_odd $kind $file --even-odd --methods amcl,mrpt --starts $interleaved"
+  done
   echo "matching --trials $trials --largest $largest"
   echo "worlds --worlds $worlds"
   echo "corners --seeds $seeds"

@@ -1,6 +1,8 @@
 #include "bench/experiments/buildings.hpp"
 
+#include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <cornerfix/map_image.hpp>
@@ -11,17 +13,49 @@
 namespace cornerfix::bench {
 namespace {
 
-Building building_of(const std::string& name, cli::Evaluation mapped, cli::RecordedLog log,
-                     std::size_t begin) {
-  return {map_building(name, std::move(mapped.key_frames)), std::move(mapped.mapping_positions),
-          std::move(log), begin};
+/// The scans that Cartographer puts into its grid, by its motion filter: one after 0.2 m, 1 deg or
+/// 5 s.
+std::vector<PosedScan> filtered_by_motion(std::span<const cli::LogScan> scans) {
+  constexpr double kDistance = 0.2;
+  constexpr double kAngle = std::numbers::pi / 180.0;
+  constexpr double kTime = 5.0;
+  std::vector<PosedScan> kept;
+  for (const cli::LogScan& scan : scans) {
+    if (!scan.T_map_laser) continue;
+    const PosedScan posed{scan.scan, {}, *scan.T_map_laser};
+    if (kept.empty() || distance(kept.back().T_map_base_link, posed.T_map_base_link) > kDistance ||
+        angle_between(kept.back().T_map_base_link, posed.T_map_base_link) > kAngle ||
+        posed.scan.stamp - kept.back().scan.stamp > kTime)
+      kept.push_back(posed);
+  }
+  return kept;
+}
+
+/// The first `end` scans of `mapping` map.
+Building building_of(const std::string& name, const cli::RecordedLog& mapping, std::size_t end,
+                     cli::RecordedLog asking, std::size_t begin) {
+  cli::Evaluation mapped = cli::map_from(mapping, end, {});
+  return {map_building(name, mapped.key_frames,
+                       filtered_by_motion(std::span(mapping.scans).first(end))),
+          std::move(mapped.mapping_positions), std::move(asking), begin};
+}
+
+/// Every other scan of a log, from the first or the second on.
+cli::RecordedLog every_other(const cli::RecordedLog& log, std::size_t first) {
+  cli::RecordedLog half = log;
+  half.scans.clear();
+  for (std::size_t i = first; i < log.scans.size(); i += 2) half.scans.push_back(log.scans[i]);
+  return half;
 }
 
 Building recorded(const BuildingSource& source) {
   cli::RecordedLog log = value_or_exit(cli::read_log(source.log));
+  if (source.even_odd) {
+    const cli::RecordedLog mapping = every_other(log, 0);
+    return building_of(source.name, mapping, mapping.scans.size(), every_other(log, 1), 0);
+  }
   const std::size_t end = cli::split_index(log, source.split);
-  cli::Evaluation mapped = cli::map_from(log, end, {});
-  return building_of(source.name, std::move(mapped), std::move(log), end);
+  return building_of(source.name, log, end, log, end);
 }
 
 Building simulated(const BuildingSource& source) {
@@ -33,8 +67,7 @@ Building simulated(const BuildingSource& source) {
   cli::RecordedLog asking = value_or_exit(
       cli::simulate_drive(floor, {.people = source.people, .length_m = source.asking_m, .seed = 2},
                           inside ? &*inside : nullptr));
-  return building_of(source.name, cli::map_from(mapping, mapping.scans.size(), {}),
-                     std::move(asking), 0);
+  return building_of(source.name, mapping, mapping.scans.size(), std::move(asking), 0);
 }
 
 }  // namespace
@@ -45,6 +78,8 @@ void add_building_options(CLI::App& command, BuildingSource& source) {
                          ->check(CLI::ExistingFile);
   command.add_option("--split", source.split, "Share of the log that maps")
       ->check(CLI::Range(0.0, 1.0));
+  command.add_flag("--even-odd", source.even_odd, "Every other scan of the log maps, the others ask")
+      ->needs(log);
   CLI::Option* floor =
       command
           .add_option("--floor-map", source.floor_map, "ROS map_server yaml to simulate drives in")

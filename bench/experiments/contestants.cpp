@@ -85,7 +85,7 @@ Contestant amcl(const std::string& name, const LocalizationMapPtr& map, const Am
 
 std::shared_ptr<const BranchAndBoundMatcher> pyramid(const MappedBuilding& building) {
   return std::make_shared<const BranchAndBoundMatcher>(
-      build_probability_grid(building.key_frames, {}), kPyramidDepth);
+      build_probability_grid(building.grid_scans, {}), kPyramidDepth);
 }
 
 /// A pose that is known as well as the window is wide; anywhere in it, but always the same for one
@@ -195,12 +195,13 @@ LocalizationMapPtr build_map(const std::string& name, const std::vector<PosedSca
 
 }  // namespace
 
-MappedBuilding map_building(std::string name, std::vector<PosedScan> key_frames) {
+MappedBuilding map_building(std::string name, const std::vector<PosedScan>& key_frames,
+                            std::vector<PosedScan> grid_scans) {
   MappedBuilding building;
   building.map = build_map(name, key_frames, CornerExtractor::kTwoArm);
   building.vfp_map = build_map(name, key_frames, CornerExtractor::kVfp);
   building.name = std::move(name);
-  building.key_frames = std::move(key_frames);
+  building.grid_scans = std::move(grid_scans);
   return building;
 }
 

@@ -13,16 +13,18 @@
 
 namespace cornerfix::bench {
 
-/// The building as all contestants know it. Each makes its map of the same key frames.
+/// The building as all contestants know it.
 struct MappedBuilding {
   std::string name;
   LocalizationMapPtr map;      ///< With two-arm corners: the default.
   LocalizationMapPtr vfp_map;  ///< With the paper's corners.
-  std::vector<PosedScan> key_frames;
+  std::vector<PosedScan> grid_scans;  ///< What Cartographer would put into its grid.
 };
 
 /// Makes both maps of key frames.
-[[nodiscard]] MappedBuilding map_building(std::string name, std::vector<PosedScan> key_frames);
+[[nodiscard]] MappedBuilding map_building(std::string name,
+                                          const std::vector<PosedScan>& key_frames,
+                                          std::vector<PosedScan> grid_scans);
 
 /// What each scan cost that a robot worked on, of all robots of one contestant.
 struct ScanTimes {

@@ -1,5 +1,5 @@
 /// \file  What following a robot costs from a known start, and that it works: Cornerfix beside AMCL
-/// with its adaptive number of particles and with all 20,000.
+/// with its adaptive number of particles and with all 20,000, and MRPT.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -12,6 +12,9 @@
 #include "bench/experiments/processor_time.hpp"
 #include "bench/experiments/statistics.hpp"
 #include "bench/rivals/amcl.hpp"
+#ifdef CORNERFIX_BENCH_HAS_EXTERNAL
+#include "bench/external/mrpt_localizer.hpp"
+#endif
 
 namespace cornerfix::bench {
 namespace {
@@ -63,6 +66,12 @@ class TrackingExperiment {
     write("amcl_20000", track_by_amcl(all));
     all.linear_resampling = false;
     write("amcl_20000_binary_search", track_by_amcl(all));
+#ifdef CORNERFIX_BENCH_HAS_EXTERNAL
+    const auto map = std::make_shared<const MrptMap>(building_.mapped.map->grid());
+    write("mrpt", track_by_rival([&](const Pose2& start) {
+            return make_mrpt_localizer(map, MrptParams{}, start);
+          }));
+#endif
   }
 
  private:
@@ -105,16 +114,23 @@ class TrackingExperiment {
   }
 
   [[nodiscard]] Tracked track_by_amcl(const AmclParams& params) const {
+    return track_by_rival([&](const Pose2& start) {
+      const LocalizationMap& map = *building_.mapped.map;
+      auto amcl = std::make_unique<Amcl>(map.grid(), map.field(), params);
+      amcl->set_pose(start);
+      return amcl;
+    });
+  }
+
+  /// `make` takes the pose of the start.
+  template <typename Make>
+  [[nodiscard]] Tracked track_by_rival(const Make& make) const {
     Tracked tracked;
-    std::unique_ptr<Amcl> amcl;
+    std::unique_ptr<Rival> rival;
     drive([&](const cli::LogScan& scan, bool first) {
-      if (first) {
-        amcl = std::make_unique<Amcl>(building_.mapped.map->grid(), building_.mapped.map->field(),
-                                      params);
-        amcl->set_pose(*scan.T_map_laser);
-      }
+      if (first) rival = make(*scan.T_map_laser);
       const double begin = thread_ms();
-      const RivalAnswer answer = amcl->process({scan.scan, {}, scan.T_odom_laser});
+      const RivalAnswer answer = rival->process({scan.scan, {}, scan.T_odom_laser});
       if (!answer.updated || first) return;
       tracked.ms.push_back(thread_ms() - begin);
       if (answer.T_map_base_link) tracked.judge(*answer.T_map_base_link, *scan.T_map_laser);
@@ -132,7 +148,7 @@ class TrackingExperiment {
 void add_tracking_experiment(CLI::App& app) {
   auto arguments = std::make_shared<TrackingArguments>();
   CLI::App* command =
-      app.add_subcommand("tracking", "What following a robot costs, by Cornerfix and by AMCL");
+      app.add_subcommand("tracking", "What following a robot costs, by Cornerfix and by Monte Carlo");
   add_building_options(*command, arguments->building);
   command->add_option("--starts", arguments->starts, "Robots followed")->check(CLI::PositiveNumber);
   command->add_option("--way", arguments->way_m, "Metres that each is followed");

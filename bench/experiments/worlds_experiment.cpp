@@ -141,8 +141,8 @@ class WorldsExperiment {
  private:
   void run(const std::string& kind, std::uint64_t seed) {
     const World world = make_world(kind, seed);
-    const MappedBuilding building =
-        map_building(kind, testing::mapping_scans(world.mapped, world.start));
+    const auto mapping = testing::mapping_scans(world.mapped, world.start);
+    const MappedBuilding building = map_building(kind, mapping, mapping);
     const testing::Robot robot{
         .lidar = {.beams = 721, .field_of_view_rad = std::numbers::pi, .noise_m = 0.01},
         .odometry_scale = 1.01};

@@ -18,7 +18,11 @@
 namespace cornerfix::bench {
 namespace {
 
+// Of a scan, as many as its default takes of 180: more, which are no independent witnesses, make it
+// too sure.
+constexpr std::size_t kBeamsTaken = 36;
 constexpr double kKnownPosition = 0.5;  // [m] of a pose that is told
+constexpr double kKnownYaw = std::numbers::pi / 12.0;
 
 float free_probability(Cell cell) {
   switch (cell) {
@@ -88,7 +92,8 @@ namespace {
 
 class MrptLocalizer : public Rival {
  public:
-  MrptLocalizer(std::shared_ptr<const MrptMap> map, const MrptParams& params)
+  MrptLocalizer(std::shared_ptr<const MrptMap> map, const MrptParams& params,
+                const std::optional<Pose2>& known)
       : map_(std::move(map)), filter_(params.update_distance_m, params.update_angle_rad) {
     mrpt::random::getRandomGenerator().randomize(params.seed);
     particle_filter_.m_options.PF_algorithm = mrpt::bayes::CParticleFilter::pfStandardProposal;
@@ -102,8 +107,14 @@ class MrptLocalizer : public Rival {
     kld.KLD_epsilon = 0.02;
     kld.KLD_minSampleSize = 500;
     kld.KLD_maxSampleSize = static_cast<unsigned int>(params.max_particles);
-    poses_.resetUniformFreeSpace(map_->impl().grid.get(), 0.7,
-                                 static_cast<int>(params.max_particles));
+    if (known) {
+      poses_.resetAroundSetOfPoses({mrpt::math::TPose2D(known->x, known->y, known->yaw)},
+                                   params.max_particles, kKnownPosition, kKnownPosition, kKnownYaw);
+      converged_ = true;
+    } else {
+      poses_.resetUniformFreeSpace(map_->impl().grid.get(), 0.7,
+                                   static_cast<int>(params.max_particles));
+    }
   }
 
   RivalAnswer process(const RobotScan& scan) override {
@@ -126,6 +137,8 @@ class MrptLocalizer : public Rival {
 
  private:
   void update(const Pose2& motion, const RobotScan& scan) {
+    map_->impl().grid->likelihoodOptions.LF_decimation = static_cast<std::uint32_t>(
+        std::max<std::size_t>(1, scan.scan.ranges.size() / kBeamsTaken));
     mrpt::obs::CActionRobotMovement2D movement;
     mrpt::obs::CActionRobotMovement2D::TMotionModelOptions model;
     model.modelSelection = mrpt::obs::CActionRobotMovement2D::mmGaussian;
@@ -172,8 +185,9 @@ class MrptLocalizer : public Rival {
 }  // namespace
 
 std::unique_ptr<Rival> make_mrpt_localizer(std::shared_ptr<const MrptMap> map,
-                                           const MrptParams& params) {
-  return std::make_unique<MrptLocalizer>(std::move(map), params);
+                                           const MrptParams& params,
+                                           const std::optional<Pose2>& T_map_base_link) {
+  return std::make_unique<MrptLocalizer>(std::move(map), params, T_map_base_link);
 }
 
 }  // namespace cornerfix::bench

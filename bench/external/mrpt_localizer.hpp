@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include <cornerfix/occupancy_grid.hpp>
 
@@ -13,8 +14,8 @@ namespace cornerfix::bench {
 
 struct MrptParams {
   std::size_t max_particles = 20'000;
-  double power = 0.05;  ///< Of the likelihood (powFactor). 1 takes beams as independent, and the
-                        ///< particles then gather at one place within two updates, right or not.
+  double power = 0.5;  ///< Of the likelihood (powFactor). 1 takes beams as independent and gathers
+                       ///< too soon; 0.05 hardly gathers at all.
   double update_distance_m = 0.2;
   double update_angle_rad = 0.5236;
   std::uint32_t seed = 1;
@@ -37,10 +38,12 @@ class MrptMap {
   std::unique_ptr<Impl> impl_;
 };
 
-/// CMonteCarloLocalization2D with KLD sampling, its default likelihood field of Thrun, a uniform
-/// start. The pose is told once the particles are no wider than 0.5 m, and from then on always.
-/// MRPT keeps its random numbers in one place: one such robot at a time.
-[[nodiscard]] std::unique_ptr<Rival> make_mrpt_localizer(std::shared_ptr<const MrptMap> map,
-                                                         const MrptParams& params);
+/// CMonteCarloLocalization2D with KLD sampling and its default likelihood field of Thrun. Starts
+/// all over the free space, or about a known pose, as unsure of it as ROS takes a known start to be
+/// (0.5 m, 15 deg). The pose is told once the particles are no wider than 0.5 m, and from then on
+/// always. MRPT keeps its random numbers in one place: one such robot at a time.
+[[nodiscard]] std::unique_ptr<Rival> make_mrpt_localizer(
+    std::shared_ptr<const MrptMap> map, const MrptParams& params,
+    const std::optional<Pose2>& T_map_base_link = {});
 
 }  // namespace cornerfix::bench
