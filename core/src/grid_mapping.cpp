@@ -7,6 +7,8 @@
 #include <cornerfix/virtual_lidar.hpp>
 #include <cornerfix/wall_surfaces.hpp>
 
+#include "in_parallel.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -24,14 +26,17 @@ bool has_cell(const OccupancyGrid& grid, Cell cell) {
 
 std::vector<Feature> features_of(const OccupancyGrid& floor_map, const MapperParams& params) {
   const VirtualLidar lidar(floor_map);
-  FeatureMap features(params.features);
-  for (const Point2& viewpoint : lidar.viewpoints(kLattice, kViewpointClearance)) {
-    std::vector<Feature> corners = extract_corners(lidar.scan(viewpoint), params.extractor,
-                                                   kNoisePerCell * floor_map.resolution);
-    for (Feature& corner : corners)
+  const std::vector<Point2> viewpoints = lidar.viewpoints(kLattice, kViewpointClearance);
+  std::vector<std::vector<Feature>> corners(viewpoints.size());
+  for_each_in_parallel(viewpoints.size(), [&](std::size_t i) {
+    const Point2& viewpoint = viewpoints[i];
+    corners[i] = extract_corners(lidar.scan(viewpoint), params.extractor,
+                                 kNoisePerCell * floor_map.resolution);
+    for (Feature& corner : corners[i])
       corner = transformed({viewpoint.x(), viewpoint.y(), 0.0}, corner);
-    features.insert(corners);
-  }
+  });
+  FeatureMap features(params.features);
+  for (const std::vector<Feature>& seen : corners) features.insert(seen);
   return features.repeated(params.min_feature_count);
 }
 

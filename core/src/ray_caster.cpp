@@ -31,6 +31,14 @@ double cells_to_grid_line(double position, int cell, double slope) {
 
 }  // namespace
 
+std::vector<Point2> beam_directions(const LaserScan& lidar, std::size_t beams) {
+  std::vector<Point2> directions;
+  directions.reserve(beams);
+  for (std::size_t beam = 0; beam < beams; ++beam)
+    directions.emplace_back(std::cos(lidar.bearing(beam)), std::sin(lidar.bearing(beam)));
+  return directions;
+}
+
 RayCaster::RayCaster(const OccupancyGrid& grid)
     : T_grid_map_(inverse(grid.T_map_grid)),
       resolution_(grid.resolution),
@@ -39,13 +47,16 @@ RayCaster::RayCaster(const OccupancyGrid& grid)
       distance_(distances_to_walls(grid)) {}
 
 double RayCaster::cast(const Point2& origin_map, double heading_map, double range_max_m) const {
-  const Point2 origin = T_grid_map_ * origin_map / resolution_;  // In cells.
   const double heading = T_grid_map_.yaw + heading_map;
-  const Point2 direction{std::cos(heading), std::sin(heading)};
-  const Point2 slope = direction.cwiseInverse();
-  const double range_max_cells = range_max_m / resolution_;
+  return cells_to_wall(T_grid_map_ * origin_map / resolution_,
+                       {std::cos(heading), std::sin(heading)}, range_max_m / resolution_) *
+         resolution_;
+}
 
-  for (double range = 0.0; range <= range_max_cells;) {
+double RayCaster::cells_to_wall(const Point2& origin, const Point2& direction,
+                                double range_max) const {
+  const Point2 slope = direction.cwiseInverse();
+  for (double range = 0.0; range <= range_max;) {
     const Point2 position = origin + range * direction;
     const bool is_inside = position.x() >= 0.0 && position.y() >= 0.0 && position.x() <= width_ &&
                            position.y() <= height_;
@@ -56,7 +67,7 @@ double RayCaster::cast(const Point2& origin_map, double heading_map, double rang
     const auto centre_distance = static_cast<double>(
         distance_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
                   static_cast<std::size_t>(column)]);
-    if (centre_distance == 0.0) return range * resolution_;
+    if (centre_distance == 0.0) return range;
 
     // Nearer than this no wall can be: both its square and that of this cell reach half a diagonal
     // about their centres.
@@ -69,15 +80,20 @@ double RayCaster::cast(const Point2& origin_map, double heading_map, double rang
   return kInfinity;
 }
 
-LaserScan RayCaster::scan(const LaserScan& lidar, std::size_t beams,
+LaserScan RayCaster::scan(const LaserScan& lidar, std::span<const Point2> directions_laser,
                           const Pose2& T_map_laser) const {
+  const Pose2 T_grid_laser = T_grid_map_ * T_map_laser;
+  const Point2 origin = T_grid_laser.translation() / resolution_;
+  const double c = std::cos(T_grid_laser.yaw);
+  const double s = std::sin(T_grid_laser.yaw);
+  const double range_max = lidar.range_max / resolution_;
   LaserScan scan = lidar;
-  scan.ranges.resize(beams);
-  for (std::size_t beam = 0; beam < beams; ++beam) {
-    const double range =
-        cast(T_map_laser.translation(), T_map_laser.yaw + lidar.bearing(beam), lidar.range_max);
-    scan.ranges[beam] =
-        std::isfinite(range) ? static_cast<float>(range) : std::numeric_limits<float>::quiet_NaN();
+  scan.ranges.clear();
+  for (const Point2& p : directions_laser) {
+    const double cells =
+        cells_to_wall(origin, {c * p.x() - s * p.y(), s * p.x() + c * p.y()}, range_max);
+    scan.ranges.push_back(std::isfinite(cells) ? static_cast<float>(cells * resolution_)
+                                               : std::numeric_limits<float>::quiet_NaN());
   }
   return scan;
 }

@@ -10,8 +10,16 @@ namespace cornerfix {
 namespace {
 
 constexpr std::size_t kBeams = 1080;
-constexpr double kRangeMax = 12.0;       // [m]
 constexpr double kMaxUnknownWay = 0.25;  // [m]
+
+LaserScan lidar_all_around() {
+  return {.stamp = 0.0,
+          .angle_min = -std::numbers::pi,
+          .angle_increment = 2.0 * std::numbers::pi / kBeams,
+          .range_min = 0.0,
+          .range_max = 12.0,
+          .ranges = {}};
+}
 
 /// What stops beams is occupied: walls, and the unknown away from all that is known.
 OccupancyGrid opaque(const OccupancyGrid& floor_map) {
@@ -33,7 +41,9 @@ OccupancyGrid opaque(const OccupancyGrid& floor_map) {
 }  // namespace
 
 VirtualLidar::VirtualLidar(const OccupancyGrid& floor_map)
-    : floor_map_(floor_map), caster_(opaque(floor_map)) {}
+    : floor_map_(floor_map),
+      caster_(opaque(floor_map)),
+      all_around_(beam_directions(lidar_all_around(), kBeams)) {}
 
 std::vector<Point2> VirtualLidar::viewpoints(double lattice_m, double clearance_m) const {
   struct Best {
@@ -60,16 +70,19 @@ std::vector<Point2> VirtualLidar::viewpoints(double lattice_m, double clearance_
   return viewpoints;
 }
 
-LaserScan VirtualLidar::scan(const LaserScan& lidar, std::size_t beams,
+LaserScan VirtualLidar::scan(const LaserScan& lidar, std::span<const Point2> directions_laser,
                              const Pose2& T_map_laser) const {
-  LaserScan scan = caster_.scan(lidar, beams, T_map_laser);
+  LaserScan scan = caster_.scan(lidar, directions_laser, T_map_laser);
   const Pose2 T_grid_laser = inverse(floor_map_.T_map_grid) * T_map_laser;
+  const double c = std::cos(T_grid_laser.yaw);
+  const double s = std::sin(T_grid_laser.yaw);
   const double into_cell = 1e-3 * floor_map_.resolution;
-  for (std::size_t beam = 0; beam < beams; ++beam) {
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     if (!scan.has_return(beam)) continue;
-    const double range = static_cast<double>(scan.ranges[beam]) + into_cell;
-    const Point2 direction{std::cos(scan.bearing(beam)), std::sin(scan.bearing(beam))};
-    const Point2 end_grid = T_grid_laser * Point2(range * direction);
+    const Point2 end =
+        (static_cast<double>(scan.ranges[beam]) + into_cell) * directions_laser[beam];
+    const Point2 end_grid{T_grid_laser.x + c * end.x() - s * end.y(),
+                          T_grid_laser.y + s * end.x() + c * end.y()};
     if (floor_map_.at(floor_map_.cell_of(end_grid)) != Cell::kOccupied)
       scan.ranges[beam] = std::numeric_limits<float>::quiet_NaN();
   }
@@ -77,13 +90,7 @@ LaserScan VirtualLidar::scan(const LaserScan& lidar, std::size_t beams,
 }
 
 LaserScan VirtualLidar::scan(const Point2& viewpoint_map) const {
-  const LaserScan lidar{.stamp = 0.0,
-                        .angle_min = -std::numbers::pi,
-                        .angle_increment = 2.0 * std::numbers::pi / kBeams,
-                        .range_min = 0.0,
-                        .range_max = kRangeMax,
-                        .ranges = {}};
-  return scan(lidar, kBeams, {viewpoint_map.x(), viewpoint_map.y(), 0.0});
+  return scan(lidar_all_around(), all_around_, {viewpoint_map.x(), viewpoint_map.y(), 0.0});
 }
 
 }  // namespace cornerfix

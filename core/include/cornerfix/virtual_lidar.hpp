@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <cornerfix/laser_scan.hpp>
@@ -23,7 +24,9 @@ class VirtualLidar {
   /// With the geometry of `lidar` (its ranges are ignored) and so many beams. A beam goes on
   /// through narrow gaps of the unknown but has no return from beyond 0.25 m of it.
   [[nodiscard]] LaserScan scan(const LaserScan& lidar, std::size_t beams,
-                               const Pose2& T_map_laser) const;
+                               const Pose2& T_map_laser) const {
+    return scan(lidar, beam_directions(lidar, beams), T_map_laser);
+  }
   /// By 1080 beams all around that see 12 m far, with the axes of `map`.
   [[nodiscard]] LaserScan scan(const Point2& viewpoint_map) const;
 
@@ -33,8 +36,12 @@ class VirtualLidar {
   }
 
  private:
+  [[nodiscard]] LaserScan scan(const LaserScan& lidar, std::span<const Point2> directions_laser,
+                               const Pose2& T_map_laser) const;
+
   const OccupancyGrid& floor_map_;
   RayCaster caster_;
+  std::vector<Point2> all_around_;  ///< Beams of the last kind of scan.
 };
 
 }  // namespace cornerfix
