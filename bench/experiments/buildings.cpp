@@ -62,8 +62,11 @@ Building simulated(const BuildingSource& source) {
   const OccupancyGrid floor = value_or_exit(read_map_files(source.floor_map));
   std::optional<OccupancyGrid> inside;
   if (!source.inside.empty()) inside = value_or_exit(read_map_files(source.inside));
-  const cli::RecordedLog mapping = value_or_exit(cli::simulate_drive(
-      floor, {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1}));
+  // Along a way that is free in both, or the drives might be in rooms that are not connected.
+  const cli::RecordedLog mapping = value_or_exit(
+      cli::simulate_drive(inside ? *inside : floor,
+                          {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1},
+                          inside ? &floor : nullptr));
   cli::RecordedLog asking = value_or_exit(
       cli::simulate_drive(floor, {.people = source.people, .length_m = source.asking_m, .seed = 2},
                           inside ? &*inside : nullptr));
