@@ -81,7 +81,8 @@ void add_building_options(CLI::App& command, BuildingSource& source) {
                          ->check(CLI::ExistingFile);
   command.add_option("--split", source.split, "Share of the log that maps")
       ->check(CLI::Range(0.0, 1.0));
-  command.add_flag("--even-odd", source.even_odd, "Every other scan of the log maps, the others ask")
+  command
+      .add_flag("--even-odd", source.even_odd, "Every other scan of the log maps, the others ask")
       ->needs(log);
   CLI::Option* floor =
       command

@@ -16,8 +16,8 @@ namespace cornerfix::bench {
 /// The building as all contestants know it.
 struct MappedBuilding {
   std::string name;
-  LocalizationMapPtr map;      ///< With two-arm corners: the default.
-  LocalizationMapPtr vfp_map;  ///< With the paper's corners.
+  LocalizationMapPtr map;             ///< With two-arm corners: the default.
+  LocalizationMapPtr vfp_map;         ///< With the paper's corners.
   std::vector<PosedScan> grid_scans;  ///< What Cartographer would put into its grid.
 };
 

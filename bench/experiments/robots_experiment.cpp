@@ -167,7 +167,8 @@ void add_robots_experiment(CLI::App& app) {
   command->add_option("--near", arguments->near_m,
                       "Metres from a mapping pose that a start may be");
   command->add_option("--way", arguments->way_m, "Metres of driving allowed until the fix");
-  command->add_option("--time", arguments->time_s, "Seconds allowed until the fix, of driving and of computing");
+  command->add_option("--time", arguments->time_s,
+                      "Seconds allowed until the fix, of driving and of computing");
   add_out_option(*command, arguments->out);
   command->callback([arguments] { RobotsExperiment(*arguments).run(); });
 }

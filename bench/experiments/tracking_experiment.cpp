@@ -147,8 +147,8 @@ class TrackingExperiment {
 
 void add_tracking_experiment(CLI::App& app) {
   auto arguments = std::make_shared<TrackingArguments>();
-  CLI::App* command =
-      app.add_subcommand("tracking", "What following a robot costs, by Cornerfix and by Monte Carlo");
+  CLI::App* command = app.add_subcommand(
+      "tracking", "What following a robot costs, by Cornerfix and by Monte Carlo");
   add_building_options(*command, arguments->building);
   command->add_option("--starts", arguments->starts, "Robots followed")->check(CLI::PositiveNumber);
   command->add_option("--way", arguments->way_m, "Metres that each is followed");

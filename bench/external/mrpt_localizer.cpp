@@ -137,8 +137,8 @@ class MrptLocalizer : public Rival {
 
  private:
   void update(const Pose2& motion, const RobotScan& scan) {
-    map_->impl().grid->likelihoodOptions.LF_decimation = static_cast<std::uint32_t>(
-        std::max<std::size_t>(1, scan.scan.ranges.size() / kBeamsTaken));
+    map_->impl().grid->likelihoodOptions.LF_decimation =
+        static_cast<std::uint32_t>(std::max<std::size_t>(1, scan.scan.ranges.size() / kBeamsTaken));
     mrpt::obs::CActionRobotMovement2D movement;
     mrpt::obs::CActionRobotMovement2D::TMotionModelOptions model;
     model.modelSelection = mrpt::obs::CActionRobotMovement2D::mmGaussian;
