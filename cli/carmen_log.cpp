@@ -238,9 +238,6 @@ class CarmenParser final : public ScanParser {
     out.scan.angle_increment =
         *resolution != 0.0 ? *resolution : *field_of_view / static_cast<double>(*beams - 1);
     out.scan.range_max = *maximum_range - kBelowMaximum;
-    if (const auto error = validate(out.scan)) {
-      return malformed(laser.message, error->field + ": " + error->message);
-    }
     if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
     const bool has_poses = laser.message.starts_with("ROBOT");
     if (!skip_remissions(words, has_poses)) {
@@ -319,6 +316,9 @@ class CarmenParser final : public ScanParser {
 
   /// The first good scan makes the header, which all others must fit.
   Result<std::optional<LogScan>> finish(const Laser& laser, LogScan scan) {
+    if (const auto error = validate(scan.scan)) {
+      return malformed(laser.message, error->field + ": " + error->message);
+    }
     if (header_.beams == 0) {
       header_.beams = scan.scan.ranges.size();
       header_.lidar = scan.scan;

@@ -116,6 +116,7 @@ class JsonLinesParser final : public ScanParser {
 
   Result<std::optional<LogScan>> check(LogScan scan) {
     if (!has_stamp_) return malformed("t: missing, expected seconds");
+    if (scan.scan.ranges.empty()) return malformed("ranges: none, expected metres or null");
     if (scan.scan.ranges.size() > LogReader::kMaxBeams) {
       return malformed("ranges: number of values " + too_many_beams());
     }
@@ -124,6 +125,7 @@ class JsonLinesParser final : public ScanParser {
       return malformed("ranges: " + std::to_string(scan.scan.ranges.size()) + " values, expected " +
                        std::to_string(header_.beams));
     }
+    if (auto error = validate(scan.scan)) return malformed(error->field + ": " + error->message);
     return std::optional<LogScan>(std::move(scan));
   }
 

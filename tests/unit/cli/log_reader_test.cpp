@@ -107,6 +107,8 @@ TEST_F(LogReading, LeavesBrokenLinesOutAndTellsWhereTheyAre) {
                             "\n";
   const std::vector<std::pair<std::string, std::string>> bad_line_and_message = {
       {R"({"t": 1, "ranges": [1, 1]})", "ranges: 2 values, expected 3"},
+      {R"({"t": 1, "ranges": []})", "ranges: none, expected metres or null"},
+      {R"({"t": 1})", "ranges: none, expected metres or null"},
       {R"({"t": 1, "ranges": [1, 1, "far"]})", "ranges: "},
       {R"({"t": 1, "ranges": [1, 1, 1)", ""},
       {R"({"ranges": [1, 1, 1]})", "t: missing, expected seconds"},
@@ -134,6 +136,16 @@ TEST_F(LogReading, GivesUpOnAFileOfBrokenLinesOnly) {
   auto log = LogReader::open(directory_.write("a.jsonl", text));
   ASSERT_FALSE(log.ok());
   EXPECT_THAT(log.error().message, HasSubstr("holds no scan; 100 broken records left out"));
+}
+
+TEST_F(LogReading, LeavesScansOutThatNoLidarTakes) {
+  auto reader = LogReader::open(directory_.write(
+      "a.jsonl",
+      R"({"name": "office", "beams": 3, "angle_min": -1, "angle_increment": 11, "range_min": 0.1, "range_max": 9})"
+      "\n"
+      R"({"t": 1, "ranges": [1, 1, 1]})"));
+  ASSERT_FALSE(reader.ok());
+  EXPECT_THAT(reader.error().message, HasSubstr("cover more than a full turn"));
 }
 
 TEST_F(LogReading, CountsScansThatAreNoYoungerThanTheOneBefore) {
@@ -278,6 +290,14 @@ TEST_F(LogReading, TakesFieldOfViewAndRangeOfACarmenLogFromItsParameters) {
   EXPECT_NEAR(log->scans[0].scan.bearing(0), -std::numbers::pi / 4.0, 1e-12);
   EXPECT_NEAR(log->scans[0].scan.bearing(2), std::numbers::pi / 4.0, 1e-12);
   EXPECT_FALSE(log->scans[0].scan.has_return(1));
+}
+
+TEST_F(LogReading, LeavesCarmenScansOutThatNoLidarTakes) {
+  const auto log = read_log(directory_.write(
+      "drive.log",
+      "ROBOTLASER1 0 -1.5 3.0 9.0 50.0 0.01 0 3 1 2 3 0 0 0 0 0 0 0 0 0 0 0 0 11.5 host 0.2\n"));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("cover more than a full turn"));
 }
 
 TEST_F(LogReading, TellsTextLogsByTheirFirstLine) {
