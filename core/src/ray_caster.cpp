@@ -54,9 +54,9 @@ double RayCaster::cast(const Point2& origin_map, double heading_map, double rang
 }
 
 double RayCaster::cells_to_wall(const Point2& origin, const Point2& direction,
-                                double range_max) const {
+                                double range_max_cells) const {
   const Point2 slope = direction.cwiseInverse();
-  for (double range = 0.0; range <= range_max;) {
+  for (double range = 0.0; range <= range_max_cells;) {
     const Point2 position = origin + range * direction;
     const bool is_inside = position.x() >= 0.0 && position.y() >= 0.0 && position.x() <= width_ &&
                            position.y() <= height_;
@@ -86,12 +86,13 @@ LaserScan RayCaster::scan(const LaserScan& lidar, std::span<const Point2> direct
   const Point2 origin = T_grid_laser.translation() / resolution_;
   const double c = std::cos(T_grid_laser.yaw);
   const double s = std::sin(T_grid_laser.yaw);
-  const double range_max = lidar.range_max / resolution_;
+  const double range_max_cells = lidar.range_max / resolution_;
   LaserScan scan = lidar;
   scan.ranges.clear();
+  scan.ranges.reserve(directions_laser.size());
   for (const Point2& p : directions_laser) {
     const double cells =
-        cells_to_wall(origin, {c * p.x() - s * p.y(), s * p.x() + c * p.y()}, range_max);
+        cells_to_wall(origin, {c * p.x() - s * p.y(), s * p.x() + c * p.y()}, range_max_cells);
     scan.ranges.push_back(std::isfinite(cells) ? static_cast<float>(cells * resolution_)
                                                : std::numeric_limits<float>::quiet_NaN());
   }

@@ -39,7 +39,7 @@ class RayCaster {
  private:
   /// All in cells of the grid, `direction` of length 1; infinity where nothing is hit.
   [[nodiscard]] double cells_to_wall(const Point2& origin, const Point2& direction,
-                                     double range_max) const;
+                                     double range_max_cells) const;
 
   Pose2 T_grid_map_;
   double resolution_ = 0.0;

@@ -41,7 +41,7 @@ class VirtualLidar {
 
   const OccupancyGrid& floor_map_;
   RayCaster caster_;
-  std::vector<Point2> all_around_;  ///< Beams of the last kind of scan.
+  std::vector<Point2> all_around_;  ///< beam_directions() of scan(viewpoint).
 };
 
 }  // namespace cornerfix

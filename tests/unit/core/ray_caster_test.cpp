@@ -89,6 +89,26 @@ TEST(RayCaster, TakesMinusZeroForADirectionAsItTakesZero) {
   }
 }
 
+TEST(RayCaster, AScanIsItsBeamsCastOneByOne) {
+  OccupancyGrid turned = box_room(0.05);
+  turned.T_map_grid = Pose2{3.0, -2.0, 0.7} * turned.T_map_grid;
+  const RayCaster caster(turned);
+  const Pose2 T_map_laser = Pose2{3.0, -2.0, 0.7} * Pose2{4.0, 3.0, -1.1};
+  const LaserScan lidar{.stamp = 0.0,
+                        .angle_min = -2.0,
+                        .angle_increment = 0.02,
+                        .range_min = 0.0,
+                        .range_max = 30.0,
+                        .ranges = {}};
+  const LaserScan scan = caster.scan(lidar, 200, T_map_laser);
+  ASSERT_EQ(scan.ranges.size(), 200U);
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    const double heading = T_map_laser.yaw + scan.bearing(beam);
+    EXPECT_NEAR(scan.ranges[beam], caster.cast(T_map_laser.translation(), heading, 30.0), 1e-4)
+        << beam;
+  }
+}
+
 TEST(RayCaster, SeesASingleOccupiedCellFromAfar) {
   OccupancyGrid grid = box_room(0.05);
   grid.cells[grid.offset(grid.cell_of({9.025 + 0.05, 4.025 + 0.05}))] = Cell::kOccupied;
