@@ -86,7 +86,8 @@ work() {
     echo "robots --name $name $source --starts $starts"
   done < <(buildings)
   buildings | while read -r name kind file options; do
-    echo "tracking --name $name $kind $file $options $([[ $kind != --log ]] || echo --even-odd) --starts $tracked"
+    [[ $kind != --log ]] || options=--even-odd
+    echo "tracking --name $name $kind $file $options --starts $tracked"
   done
   # Whether the rivals reach what was measured of their originals.
   buildings | while read -r name kind file options; do
@@ -110,7 +111,7 @@ describe_run() {
   echo "date,$(date -u +%Y-%m-%d)"
   echo "load,$(cut -d' ' -f1 /proc/loadavg)"
   echo "mode,$mode"
-  echo "settings,seeds $seeds; trials $trials; worlds $worlds; robots among $many maps $asked; robots a building $starts"
+  echo "settings,seeds $seeds; trials $trials; worlds $worlds; robots among $many maps $asked; checks of rivals $standing standing and $interleaved with every other scan; robots a building $starts"
 }
 
 describe_run >"$results/run.csv"

@@ -79,11 +79,12 @@ void add_building_options(CLI::App& command, BuildingSource& source) {
   command.add_option("--name", source.name, "Of the building, in tables")->required();
   CLI::Option* log = command.add_option("--log", source.log, "Recorded drive with reference poses")
                          ->check(CLI::ExistingFile);
-  command.add_option("--split", source.split, "Share of the log that maps")
-      ->check(CLI::Range(0.0, 1.0));
+  CLI::Option* split = command.add_option("--split", source.split, "Share of the log that maps")
+                           ->check(CLI::Range(0.0, 1.0));
   command
       .add_flag("--even-odd", source.even_odd, "Every other scan of the log maps, the others ask")
-      ->needs(log);
+      ->needs(log)
+      ->excludes(split);
   CLI::Option* floor =
       command
           .add_option("--floor-map", source.floor_map, "ROS map_server yaml to simulate drives in")

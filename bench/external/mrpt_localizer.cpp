@@ -9,6 +9,7 @@
 #include <mrpt/random.h>
 #include <mrpt/slam/CMonteCarloLocalization2D.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -22,7 +23,9 @@ namespace {
 // too sure.
 constexpr std::size_t kBeamsTaken = 36;
 constexpr double kKnownPosition = 0.5;  // [m] of a pose that is told
-constexpr double kKnownYaw = std::numbers::pi / 12.0;
+// Widths of where it may be at a known start.
+constexpr double kStartPosition = 0.5;  // [m]
+constexpr double kStartYaw = std::numbers::pi / 12.0;
 
 float free_probability(Cell cell) {
   switch (cell) {
@@ -109,7 +112,7 @@ class MrptLocalizer : public Rival {
     kld.KLD_maxSampleSize = static_cast<unsigned int>(params.max_particles);
     if (known) {
       poses_.resetAroundSetOfPoses({mrpt::math::TPose2D(known->x, known->y, known->yaw)},
-                                   params.max_particles, kKnownPosition, kKnownPosition, kKnownYaw);
+                                   params.max_particles, kStartPosition, kStartPosition, kStartYaw);
       converged_ = true;
     } else {
       poses_.resetUniformFreeSpace(map_->impl().grid.get(), 0.7,
