@@ -73,6 +73,23 @@ TEST(GridMapping, FeaturesAreTheCornersOfTheBuilding) {
   EXPECT_THAT(map.warnings, IsEmpty());
 }
 
+/// However its views are shared out among threads.
+TEST(GridMapping, TheSameFloorMapMakesTheSameMap) {
+  const OccupancyGrid floor_map = floor_map_of(testing::offices());
+  const MapContent first = map_of(floor_map).content;
+  for (int again = 0; again < 5; ++again) {
+    const MapContent next = map_of(floor_map).content;
+    ASSERT_EQ(next.features.size(), first.features.size());
+    for (std::size_t i = 0; i < first.features.size(); ++i) {
+      EXPECT_EQ(next.features[i].position, first.features[i].position);
+      EXPECT_EQ(next.features[i].bisector, first.features[i].bisector);
+      EXPECT_EQ(next.features[i].count, first.features[i].count);
+    }
+    EXPECT_EQ(next.descriptors.entries, first.descriptors.entries);
+    EXPECT_EQ(next.grid, first.grid);
+  }
+}
+
 TEST(GridMapping, GreyRimsHideNoCorner) {
   OccupancyGrid floor_map = floor_map_of(testing::offices());
   const OccupancyGrid sharp = floor_map;
