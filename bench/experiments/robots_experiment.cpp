@@ -98,18 +98,25 @@ class RobotsExperiment {
     const auto records = cli::evaluate(building_.log, building_.begin, {building_.mapped.map}, 0,
                                        building_.mapping_positions, options, nullptr);
     searching_of_robot.push_back(sum(times.searching_ms));
+    std::size_t counted = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
+      if (!counts(records[i])) continue;
+      ++counted;
       write_start(method, records[i], searching_of_robot[i + 1] - searching_of_robot[i]);
     }
     write_times(method, "searching", times.searching_ms, contestant, times);
     write_times(method, "tracking", times.tracking_ms, contestant, times);
-    std::printf("%s %s: %zu starts, %.0f s\n", building_.mapped.name.c_str(), method.c_str(),
-                records.size(), 1e-3 * (thread_ms() - begin_ms));
+    std::printf("%s %s: %zu of %zu starts in mapped places, %.0f s\n",
+                building_.mapped.name.c_str(), method.c_str(), counted, records.size(),
+                1e-3 * (thread_ms() - begin_ms));
     std::fflush(stdout);
   }
 
+  [[nodiscard]] bool counts(const cli::StartRecord& record) const {
+    return record.near_m <= arguments_.near_m && !tells_nothing(record, arguments_.way_m);
+  }
+
   void write_start(const std::string& method, const cli::StartRecord& record, double searching_ms) {
-    if (record.near_m > arguments_.near_m || tells_nothing(record, arguments_.way_m)) return;
     const bool answered = record.verdict != cli::Verdict::kNone;
     const auto if_answered = [answered](double value) {
       return answered ? std::to_string(value) : std::string();
