@@ -6,9 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "cli/command.hpp"
 #include "cli/progress.hpp"
+#include "cli/revisit_score.hpp"
 #include "cli/slam_run.hpp"
 #include "cli/trajectory_score.hpp"
 #include "cli/whole_log.hpp"
@@ -43,6 +47,24 @@ nlohmann::ordered_json error_json(const RelativePoseError& error) {
           {"error_deg", spread(error.errors_rad, kDegree)}};
 }
 
+/// Errors against pairs of scans that tell by themselves how they lie to each other.
+nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamRun& run) {
+  std::vector<std::size_t> indices = reference_scans(scans);
+  std::vector<std::vector<Pose2>> trajectories = {run.T_map_laser};
+  if (indices.empty()) {
+    indices = run.key_scans;
+  } else {
+    trajectories.emplace_back();
+    for (const LogScan& scan : scans)
+      trajectories.back().push_back(scan.T_map_laser.value_or(Pose2{}));
+  }
+  const auto errors = revisit_errors(scans, indices, trajectories);
+  if (errors.front().errors_m.empty()) return nullptr;
+  nlohmann::ordered_json json = {{"found", error_json(errors.front())}};
+  if (errors.size() > 1) json["reference"] = error_json(errors.back());
+  return json;
+}
+
 int run_slam_command(const SlamArguments& arguments) {
   const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar);
   if (!log) return fail(log.error());
@@ -62,6 +84,7 @@ int run_slam_command(const SlamArguments& arguments) {
     const RelativePoseError error = relative_pose_error(log->scans, run->T_map_laser, way_m);
     if (!error.errors_m.empty()) summary["relative_pose_error"].push_back(error_json(error));
   }
+  summary["revisits"] = revisits_json(log->scans, *run);
   std::printf("%s\n", summary.dump(1).c_str());
   return kDone;
 }
@@ -74,7 +97,9 @@ void add_slam_command(CLI::App& app, int& exit_code) {
       "slam", "Find the trajectory of a log without its poses, and score it against them");
   command->footer(
       "Prints the error of relative poses (Kuemmerle et al. 2009) between reference poses 2 m and "
-      "20 m of way apart.");
+      "20 m of way apart, and of both trajectories between scans of one place, 20 m of way and "
+      "more "
+      "apart, that are laid on each other (null where the drive never comes back).");
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
       ->check(CLI::ExistingFile);

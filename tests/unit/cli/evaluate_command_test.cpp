@@ -174,6 +174,7 @@ TEST_F(EvaluateCommand, ScoresATrajectoryFoundWithoutPoses) {
   EXPECT_GT(summary["keyframes"], 10);
   EXPECT_EQ(summary["relative_pose_error"][0]["way_m"], 2.0);
   EXPECT_LT(summary["relative_pose_error"][0]["error_m"]["p50"], 0.1);
+  EXPECT_TRUE(summary.contains("revisits"));
 }
 
 TEST_F(EvaluateCommand, EndsArgumentsOutOfRangeWithTwo) {
