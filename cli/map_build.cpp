@@ -57,9 +57,20 @@ Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress
   return total;
 }
 
-std::string description_body(const MapBuildArguments& arguments, const LogHeader& header) {
-  const nlohmann::ordered_json body = {{"description", "from " + file_name(arguments.log)},
-                                       {"lidar", lidar_json(header)}};
+/// What a map says of itself already: a later drive does not change it.
+struct KnownOfMap {
+  bool description = false;
+  bool lidar = false;
+};
+
+/// What the log can tell of the map that the map does not say itself; nothing when there is none.
+std::optional<std::string> description_body(const MapBuildArguments& arguments,
+                                            const LogHeader& header,
+                                            const std::optional<KnownOfMap>& known) {
+  nlohmann::ordered_json body;
+  if (!known || !known->description) body["description"] = "from " + file_name(arguments.log);
+  if (!known || !known->lidar) body["lidar"] = lidar_json(header);
+  if (body.empty()) return std::nullopt;
   return body.dump();
 }
 
@@ -83,12 +94,30 @@ Growth growth_from_json(const nlohmann::json& answer) {
           .revision = answer.value("revision", std::uint64_t{0})};
 }
 
+/// Makes the map, or tells of it what it does not say itself.
+Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arguments,
+                          const LogHeader& header) {
+  const std::string path = "/v1/maps/" + percent_encode(arguments.name);
+  std::optional<KnownOfMap> known;
+  if (!server.is_printing()) {
+    const Result<nlohmann::json> map = server.call({"GET", path});
+    if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
+    if (map)
+      known = {!map->value("description", "").empty(),
+               !map->value("lidar", nlohmann::json()).is_null()};
+  }
+  const auto body = description_body(arguments, header, known);
+  if (!body) return {};
+  const Result<nlohmann::json> described = server.call({"PUT", path, *body});
+  if (!described) return described.error();
+  return {};
+}
+
 Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans& scans) {
   const LogHeader& header = scans.log().header();
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
-  const Result<nlohmann::json> described = server->call(
-      {"PUT", "/v1/maps/" + percent_encode(arguments.name), description_body(arguments, header)});
+  const Result<void> described = describe_map(*server, arguments, header);
   if (!described) return described.error();
   const auto add = [&](std::span<const LogScan> batch) -> Result<Growth> {
     const auto answer =
@@ -113,8 +142,13 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans&
 /// What the request checks over HTTP is checked here as well.
 Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
                           const LogHeader& header) {
-  const auto request =
-      api::parse_put_map(description_body(arguments, header), api::BodyFormat::kJson);
+  const auto map = library.find(arguments.name);
+  if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
+  std::optional<KnownOfMap> known;
+  if (map) known = {!map->description.empty(), !map->lidar_json.empty()};
+  const auto body = description_body(arguments, header, known);
+  if (!body) return {};
+  const auto request = api::parse_put_map(*body, api::BodyFormat::kJson);
   if (const auto* problem = std::get_if<api::Problem>(&request)) {
     return Error{ErrorCode::kInvalidArgument, problem->detail, arguments.log};
   }

@@ -33,7 +33,7 @@ struct VirtualRobot {
 struct LocalizabilityParams {
   VirtualRobot robot{};
   double lattice_m = 1.5;        ///< Between places, or more where that gives too many; > 0.
-  std::size_t max_places = 100;  ///< Bounds the time; >= 1.
+  std::size_t max_places = 300;  ///< Bounds the time; >= 1.
   double way_m = 20.0;           ///< Driving allowed until the fix; > 0.
 };
 

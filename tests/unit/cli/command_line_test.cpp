@@ -166,11 +166,17 @@ TEST_F(CommandLine, SaysWhatTheServerSaysOfAnUnknownMap) {
   EXPECT_EQ(outcome.err, "cornerfix: DELETE /v1/maps/attic: 404 there is no map attic\n");
 }
 
+/// A server without a map "attic" that answers all other requests with `answer`.
+FakeAnswer without_attic(const FakeRequest& request, const std::string& answer) {
+  if (request.method == "GET" && request.path == "/v1/maps/attic") return {404, "{}"};
+  return {200, answer};
+}
+
 TEST_F(CommandLine, BuildsAMapInBatchesOfFifty) {
   const std::string log = directory_.write("walk.jsonl", walk(130)).string();
-  FakeServer server([](const FakeRequest&) {
-    return FakeAnswer{200, R"({"accepted": 40, "duplicates": 10, "keyframes": 7, "features": 5,
-        "revision": 9})"};
+  FakeServer server([](const FakeRequest& request) {
+    return without_attic(request, R"({"accepted": 40, "duplicates": 10, "keyframes": 7,
+        "features": 5, "revision": 9})");
   });
   const Outcome outcome =
       run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
@@ -178,25 +184,61 @@ TEST_F(CommandLine, BuildsAMapInBatchesOfFifty) {
   EXPECT_EQ(outcome.out,
             "attic: 130 scans (30 there already), 7 key frames, 5 features, revision 9\n");
   const auto requests = server.requests();
-  ASSERT_EQ(requests.size(), 4U);
-  EXPECT_EQ(requests[0].method + " " + requests[0].path, "PUT /v1/maps/attic");
-  EXPECT_EQ(requests[1].method + " " + requests[1].path, "POST /v1/maps/attic/scans");
-  const auto last = nlohmann::json::parse(requests[3].body);
+  ASSERT_EQ(requests.size(), 5U);
+  EXPECT_EQ(requests[1].method + " " + requests[1].path, "PUT /v1/maps/attic");
+  const auto described = nlohmann::json::parse(requests[1].body);
+  EXPECT_EQ(described["description"], "from walk.jsonl");
+  EXPECT_EQ(described["lidar"]["beams"], 2);
+  EXPECT_EQ(requests[2].method + " " + requests[2].path, "POST /v1/maps/attic/scans");
+  const auto last = nlohmann::json::parse(requests[4].body);
   EXPECT_EQ(last["scans"].size(), 30U);
   EXPECT_EQ(last["lidar"]["beams"], 2);
   EXPECT_EQ(last["scans"][29], nlohmann::json::parse(R"({"stamp": 129.0, "ranges": [1.0, null],
       "pose": {"x": 129.0, "y": 0.0, "yaw": 0.0}})"));
 }
 
+TEST_F(CommandLine, LeavesWhatAMapSaysOfItselfWhenALaterDriveIsBuiltIntoIt) {
+  const std::string log = directory_.write("walk.jsonl", walk(3)).string();
+  FakeServer server([](const FakeRequest& request) {
+    if (request.method == "GET")
+      return FakeAnswer{200, R"({"description": "top floor", "lidar": {"beams": 181}})"};
+    return FakeAnswer{409, R"({"title": "Conflict", "detail": "attic is made from a floor map"})"};
+  });
+  const Outcome outcome =
+      run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 2U);
+  EXPECT_EQ(requests[1].method + " " + requests[1].path, "POST /v1/maps/attic/scans");
+}
+
+TEST_F(CommandLine, TellsAMapOnlyWhatItDoesNotSayOfItself) {
+  const std::string log = directory_.write("walk.jsonl", walk(3)).string();
+  FakeServer server([](const FakeRequest& request) {
+    if (request.method == "GET")
+      return FakeAnswer{200, R"({"description": "top floor", "lidar": null})"};
+    return FakeAnswer{200, "{}"};
+  });
+  const Outcome outcome =
+      run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 3U);
+  EXPECT_EQ(requests[1].method, "PUT");
+  const auto told = nlohmann::json::parse(requests[1].body);
+  EXPECT_FALSE(told.contains("description"));
+  EXPECT_EQ(told["lidar"]["beams"], 2);
+}
+
 TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
   const std::string log = directory_.write("walk.jsonl", walk(12, true)).string();
-  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, "{}"}; });
+  FakeServer server([](const FakeRequest& request) { return without_attic(request, "{}"); });
   const Outcome outcome = run(
       {"map", "build", "attic", log.c_str(), "--split", "0.5", "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto requests = server.requests();
-  ASSERT_EQ(requests.size(), 2U);
-  const auto scans = nlohmann::json::parse(requests[1].body)["scans"];
+  ASSERT_EQ(requests.size(), 3U);
+  const auto scans = nlohmann::json::parse(requests[2].body)["scans"];
   ASSERT_EQ(scans.size(), 2U);  // 0 and 3 of the first six.
   EXPECT_EQ(scans[1]["stamp"], 3.0);
 }
@@ -204,19 +246,19 @@ TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
 TEST_F(CommandLine, BuildsFromAllScansOfTheFirstShareWithoutTheirPoses) {
   const std::string log = directory_.write("walk.jsonl", walk(12, true)).string();
   FakeServer server([](const FakeRequest& request) {
-    return FakeAnswer{200, request.method == "GET" ? R"({"features": [{}, {}]})" : "{}"};
+    return without_attic(request, request.method == "GET" ? R"({"features": [{}, {}]})" : "{}");
   });
   const Outcome outcome = run({"map", "build", "attic", log.c_str(), "--slam", "--split", "0.5",
                                "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("attic: 6 scans (0 there already), 0 key frames, 2 features"));
   const auto requests = server.requests();
-  ASSERT_EQ(requests.size(), 3U);
-  const auto scans = nlohmann::json::parse(requests[1].body)["scans"];
+  ASSERT_EQ(requests.size(), 4U);
+  const auto scans = nlohmann::json::parse(requests[2].body)["scans"];
   ASSERT_EQ(scans.size(), 6U);
   EXPECT_EQ(scans[5], nlohmann::json::parse(R"({"stamp": 5.0, "ranges": [1.0, null],
       "odom": {"x": 5.0, "y": 0.0, "yaw": 0.0}})"));
-  EXPECT_EQ(requests[2].method + " " + requests[2].path, "GET /v1/maps/attic/features");
+  EXPECT_EQ(requests[3].method + " " + requests[3].path, "GET /v1/maps/attic/features");
 }
 
 TEST_F(CommandLine, BuildsIntoADatabaseFromALogWithoutPoses) {
