@@ -255,11 +255,16 @@ Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const R
   for (const std::string& warning : map->warnings)
     std::fprintf(stderr, "%s: %s\n", yaml.c_str(), warning.c_str());
   Evaluation evaluation;
-  for (const LogScan& scan : log.scans) {
-    if (scan.T_map_laser) evaluation.mapping_positions.push_back(scan.T_map_laser->translation());
-  }
   evaluation.map =
       std::make_shared<const LocalizationMap>(log.header.name, 1, std::move(map->content));
+  const OccupancyGrid& grid = evaluation.map->grid();
+  const Pose2 T_grid_map = inverse(grid.T_map_grid);
+  for (const LogScan& scan : log.scans) {
+    if (!scan.T_map_laser) continue;
+    const Point2 position_map = scan.T_map_laser->translation();
+    if (grid.at(grid.cell_of(T_grid_map * position_map)) == Cell::kFree)
+      evaluation.mapping_positions.push_back(position_map);
+  }
   evaluation.map_seconds = 1e-3 * (processor_ms(CLOCK_PROCESS_CPUTIME_ID) - begin);
   return evaluation;
 }

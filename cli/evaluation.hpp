@@ -96,8 +96,8 @@ using ShareDone = std::function<void(std::size_t, std::size_t)>;
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
                                   const MapperParams& params, const ShareDone& progress = {});
 
-/// The map of a ROS floor map alone; all that `log` drives through counts as mapped. Says on stderr
-/// what map_from_grid() warns of.
+/// The map of a ROS floor map alone; where `log` drives through its free space counts as mapped.
+/// Says on stderr what map_from_grid() warns of.
 [[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
                                                     const RecordedLog& log,
                                                     const MapperParams& params);

@@ -167,6 +167,27 @@ TEST_F(EvaluateCommand, MakesTheMapWithoutPoses) {
   EXPECT_GT(summary["fixed"], 0) << outcome.out;
 }
 
+TEST_F(EvaluateCommand, CountsStartsOutsideOfAFloorMapApart) {
+  const auto starts_in = [](const std::string& yaml) {
+    const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--map-grid", yaml, "--starts", "3",
+                                 "--way", "1", "--track", "0"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    return std::pair(summary["starts"].get<int>(), summary["outside"].get<int>());
+  };
+  EXPECT_EQ(starts_in(CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml"), std::pair(3, 0));
+
+  std::string room = "P5 50 50 255\n";
+  for (int row = 0; row < 50; ++row) {
+    for (int column = 0; column < 50; ++column)
+      room += row % 49 == 0 || column % 49 == 0 ? '\0' : '\xfe';
+  }
+  directory_->write("room.pgm", room);
+  const auto far_away =
+      directory_->write("room.yaml", "image: room.pgm\nresolution: 0.1\norigin: [900, 900, 0]\n");
+  EXPECT_EQ(starts_in(far_away.string()), std::pair(0, 3));
+}
+
 TEST_F(EvaluateCommand, ScoresATrajectoryFoundWithoutPoses) {
   const Outcome outcome = run({"slam", path("ask.jsonl")});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
