@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kBeams = 1080;
 constexpr double kMaxUnknownWay = 0.25;  // [m]
+constexpr double kLeastRoom = 1.0;       // for the middle of a robot [m^2]
 
 LaserScan lidar_all_around() {
   return {.stamp = 0.0,
@@ -38,6 +39,34 @@ OccupancyGrid opaque(const OccupancyGrid& floor_map) {
   return grid;
 }
 
+/// The cells of `roomy` (others are 0) that lie in a region of so many or more.
+cv::Mat_<std::uint8_t> in_large_regions(const cv::Mat_<std::uint8_t>& roomy, double least_cells) {
+  cv::Mat_<int> labels;
+  cv::Mat_<int> stats;
+  cv::Mat centroids;
+  cv::connectedComponentsWithStats(roomy, labels, stats, centroids);
+  cv::Mat_<std::uint8_t> kept(roomy.size(), std::uint8_t{0});
+  std::transform(labels.begin(), labels.end(), kept.begin(), [&](int label) {
+    return label != 0 && stats(label, cv::CC_STAT_AREA) >= least_cells ? 1 : 0;
+  });
+  return kept;
+}
+
+/// 1 where a robot has room to move about. What beams saw of the world behind a window or a door
+/// that stood ajar lies in slivers.
+cv::Mat_<std::uint8_t> room_of(const OccupancyGrid& floor_map, const RayCaster& caster,
+                               double clearance_m) {
+  cv::Mat_<std::uint8_t> roomy(floor_map.height, floor_map.width, std::uint8_t{0});
+  for (int row = 0; row < floor_map.height; ++row) {
+    for (int column = 0; column < floor_map.width; ++column) {
+      if (floor_map.at({column, row}) != Cell::kFree) continue;
+      const Point2 point_map = floor_map.T_map_grid * floor_map.center({column, row});
+      if (caster.clearance(point_map) >= clearance_m) roomy(row, column) = 1;
+    }
+  }
+  return in_large_regions(roomy, kLeastRoom / (floor_map.resolution * floor_map.resolution));
+}
+
 }  // namespace
 
 VirtualLidar::VirtualLidar(const OccupancyGrid& floor_map)
@@ -54,9 +83,10 @@ std::vector<Point2> VirtualLidar::viewpoints(double lattice_m, double clearance_
   const auto square_of = [&](int cell) { return static_cast<std::size_t>(cell / lattice_cells); };
   const std::size_t columns = square_of(floor_map_.width) + 1;
   std::vector<Best> squares(columns * (square_of(floor_map_.height) + 1));
+  const cv::Mat_<std::uint8_t> room = room_of(floor_map_, caster_, clearance_m);
   for (int row = 0; row < floor_map_.height; ++row) {
     for (int column = 0; column < floor_map_.width; ++column) {
-      if (floor_map_.at({column, row}) != Cell::kFree) continue;
+      if (room(row, column) == 0) continue;
       const Point2 point_map = floor_map_.T_map_grid * floor_map_.center({column, row});
       const double clearance = caster_.clearance(point_map);
       Best& best = squares[square_of(row) * columns + square_of(column)];
@@ -65,7 +95,7 @@ std::vector<Point2> VirtualLidar::viewpoints(double lattice_m, double clearance_
   }
   std::vector<Point2> viewpoints;
   for (const Best& best : squares) {
-    if (best.clearance >= clearance_m) viewpoints.push_back(best.point_map);
+    if (best.clearance > 0.0) viewpoints.push_back(best.point_map);
   }
   return viewpoints;
 }

@@ -18,7 +18,8 @@ class VirtualLidar {
   explicit VirtualLidar(const OccupancyGrid& floor_map);
 
   /// Where to scan from, in `map`: in each square of a lattice the free place farthest from all
-  /// walls, if that is `clearance_m` or more. O(cells).
+  /// walls, if that is `clearance_m` or more and a robot has room to move there: 1 m^2 for its
+  /// middle, so that what was seen through windows does not count. O(cells).
   [[nodiscard]] std::vector<Point2> viewpoints(double lattice_m, double clearance_m) const;
 
   /// With the geometry of `lidar` (its ranges are ignored) and so many beams. A beam goes on

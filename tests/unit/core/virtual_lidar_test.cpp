@@ -68,5 +68,16 @@ TEST(VirtualLidar, LooksIntoACorridorThatTheLatticeMisses) {
   EXPECT_GE(VirtualLidar(corridor).viewpoints(1.0, 0.25).size(), 19U);
 }
 
+TEST(VirtualLidar, LooksFromNoSliverThatWasSeenThroughAWindow) {
+  OccupancyGrid map = room({12.0, 6.0});
+  occupy(map, {8.0, 0.1}, {11.9, 5.9}, Cell::kUnknown);
+  occupy(map, {7.9, 0.1}, {8.0, 5.9}, Cell::kOccupied);
+  occupy(map, {8.0, 2.0}, {9.5, 2.8}, Cell::kFree);
+  for (const Point2& p : VirtualLidar(map).viewpoints(1.0, 0.25)) EXPECT_LT(p.x(), 8.0);
+  occupy(map, {8.0, 2.0}, {11.0, 4.0}, Cell::kFree);  // a room of its own
+  const auto viewpoints = VirtualLidar(map).viewpoints(1.0, 0.25);
+  EXPECT_TRUE(std::ranges::any_of(viewpoints, [](const Point2& p) { return p.x() > 8.0; }));
+}
+
 }  // namespace
 }  // namespace cornerfix
