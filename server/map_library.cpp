@@ -23,7 +23,10 @@ namespace {
 constexpr int kMaxRevisionAttempts = 3;
 
 /// Whether another process came in between, so that trying again on its result makes sense.
-bool is_worth_another_try(const Error& error) { return error.code == ErrorCode::kConflict; }
+/// Not when the map is of the wrong kind: that will not change.
+bool is_worth_another_try(const Error& error) {
+  return error.code == ErrorCode::kConflict && error.field != "map";
+}
 
 template <typename Change>
 auto retrying(Change change) {
@@ -302,23 +305,39 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
                                                  std::span<const std::byte> image) {
   const auto floor_map = parse_map(yaml, image);
   if (!floor_map) return at_form(floor_map.error());
-  const auto found = find(name);
+  auto report = retrying([&] { return put_floor_map_once(name, *floor_map); });
+  if (!report) return report;
+  if (auto advice = threshold_advice(yaml, image)) report->warnings.push_back(std::move(*advice));
+  return report;
+}
+
+Result<FloorMapReport> MapLibrary::put_floor_map_once(std::string_view name,
+                                                      const OccupancyGrid& floor_map) {
+  auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
-  auto made = map_from_grid(
-      *floor_map, api::mapper_params_from_json(found ? found->parameters_json : std::string()));
+  if (!found) return make_from_floor_map(name, floor_map, MapInfo{});
+  const auto growing = this->growing(found->id);
+  const std::lock_guard lock(growing->mutex);
+  found = find(name);  // The change before this one may just have come.
+  if (!found) return found.error();
+  return make_from_floor_map(name, floor_map, *found);
+}
+
+Result<FloorMapReport> MapLibrary::make_from_floor_map(std::string_view name,
+                                                       const OccupancyGrid& floor_map,
+                                                       const MapInfo& before) {
+  auto made = map_from_grid(floor_map, mapper_params(before));
   if (!made) return at_part(made.error());
-  const storage::FloorMap stored{.grid = *floor_map, .outline = outline_of(made->content)};
-  const auto created =
+  const storage::FloorMap stored{.grid = floor_map,
+                                 .expected_revision = before.revision,
+                                 .outline = outline_of(made->content)};
+  auto info =
       stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
-  if (!created) return created.error();
-  auto info = find(name);
   if (!info) return info.error();
   const auto kept = stores_->with_maps(
       [&](MapStore& maps) { return maps.store_content(info->id, info->revision, made->content); });
   if (!kept) return kept.error();
-  FloorMapReport report{*created, std::move(*info), std::move(made->warnings)};
-  if (auto advice = threshold_advice(yaml, image)) report.warnings.push_back(std::move(*advice));
-  return report;
+  return FloorMapReport{before.revision == 0, std::move(*info), std::move(made->warnings)};
 }
 
 Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name) {

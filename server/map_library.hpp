@@ -121,6 +121,12 @@ class MapLibrary {
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
                                                   std::span<const Scan> scans);
   [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
+  [[nodiscard]] Result<FloorMapReport> put_floor_map_once(std::string_view name,
+                                                          const OccupancyGrid& floor_map);
+  /// \param before  The entry as it is; revision 0 when there is none.
+  [[nodiscard]] Result<FloorMapReport> make_from_floor_map(std::string_view name,
+                                                           const OccupancyGrid& floor_map,
+                                                           const storage::MapInfo& before);
   [[nodiscard]] Result<bool> store_entry(std::string_view name, const api::PutMapRequest& request,
                                          const std::optional<storage::MapRemake>& remake = {});
   [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);

@@ -317,9 +317,9 @@ Result<std::vector<PosedScan>> MapStore::key_frames(std::int64_t map_id) {
   });
 }
 
-Result<bool> MapStore::put_floor_map(std::string_view name, const FloorMap& floor_map,
-                                     std::string_view now) {
-  return guarded([&]() -> Result<bool> {
+Result<MapInfo> MapStore::put_floor_map(std::string_view name, const FloorMap& floor_map,
+                                        std::string_view now) {
+  return guarded([&]() -> Result<MapInfo> {
     const KeyFrameChain hash = hash_of(floor_map.grid);
     WriteTransaction transaction(*database_);
     std::optional<MapRow> stored = find_map(*database_, name);
@@ -328,9 +328,11 @@ Result<bool> MapStore::put_floor_map(std::string_view name, const FloorMap& floo
                    "the map is made of scans; delete it first, or give the floor map another name",
                    "map"};
     }
-    if (stored && stored->info.has_floor_map && stored->chain == hash) return false;
     MapRow map = stored.value_or(MapRow{});
     MapInfo& info = map.info;
+    if (info.revision != floor_map.expected_revision)
+      return other_revision(info.revision, floor_map.expected_revision);
+    if (info.has_floor_map && map.chain == hash) return std::move(info);
     info.name = name;
     map.chain = hash;
     set_outline(info, floor_map.outline);
@@ -343,8 +345,9 @@ Result<bool> MapStore::put_floor_map(std::string_view name, const FloorMap& floo
     }
     update_map(*database_, map);
     insert_floor_map(*database_, info.id, floor_map.grid);
+    info.has_floor_map = true;
     transaction.commit();
-    return !stored.has_value();
+    return std::move(info);
   });
 }
 

@@ -65,7 +65,8 @@ struct MapGrowth {
 
 /// What PUT …/grid makes a map of, in one transaction.
 struct FloorMap {
-  const OccupancyGrid& grid;  ///< As drawn.
+  const OccupancyGrid& grid;            ///< As drawn.
+  std::uint64_t expected_revision = 0;  ///< Of the map that it is put in; 0 when there is none.
   MapOutline outline{};
 };
 
@@ -106,11 +107,11 @@ class MapStore {
                                      const MapGrowth& growth, std::string_view now);
   [[nodiscard]] Result<std::vector<PosedScan>> key_frames(std::int64_t map_id);
 
-  /// Makes a map (true) of a floor map, or puts the floor map in place of the one that a map was
-  /// made from (false). kConflict, and nothing changes, for a map that holds scans. The revision
-  /// stays when it is the same floor map.
-  [[nodiscard]] Result<bool> put_floor_map(std::string_view name, const FloorMap& floor_map,
-                                           std::string_view now);
+  /// Makes a map of a floor map, or puts the floor map in place of the one that a map was made
+  /// from; returns the new entry. kConflict, and nothing changes, for a map that is not at the
+  /// expected revision or holds scans. The revision stays when it is the same floor map.
+  [[nodiscard]] Result<MapInfo> put_floor_map(std::string_view name, const FloorMap& floor_map,
+                                              std::string_view now);
   /// The map's whole source, in one snapshot.
   [[nodiscard]] Result<MapArchive> archive(std::string_view name);
   /// Makes a map of an archive, at its revision. kConflict when there is a map of that name.

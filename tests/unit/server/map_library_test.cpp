@@ -271,6 +271,27 @@ TEST_F(MapLibraryTest, TellsTheFeaturesOfOtherParametersAtOnce) {
   EXPECT_EQ(maps_.find("plan")->feature_count, (*maps_.load("plan"))->features().size());
 }
 
+TEST_F(MapLibraryTest, HoldsTheFeaturesOfItsParametersWhenFloorMapAndParametersArePutAtOnce) {
+  make_map(process_, "office");
+  const OccupancyGrid grid = (*maps_.load("office"))->grid();
+  const std::string yaml = encode_grid_yaml(grid, "p.png");
+  const std::vector<std::byte> image = encode_grid_png(grid);
+  const auto wide = parameters(R"({"features": {"suppression_radius_m": 3}})");
+  ASSERT_TRUE(maps_.put("expected", parameters(R"({"min_feature_count": 2})")));
+  ASSERT_TRUE(maps_.put("expected", wide));
+  ASSERT_TRUE(maps_.put_floor_map("expected", yaml, image));
+  for (int round = 0; round < 8; ++round) {
+    const std::string name = "plan" + std::to_string(round);
+    ASSERT_TRUE(maps_.put(name, parameters(R"({"min_feature_count": 2})")));
+    std::thread other([&] { EXPECT_TRUE(maps_.put_floor_map(name, yaml, image)); });
+    EXPECT_TRUE(maps_.put(name, wide));
+    other.join();
+    EXPECT_EQ(maps_.find(name)->digest, maps_.find("expected")->digest);
+    EXPECT_EQ(maps_.find(name)->feature_count, maps_.find("expected")->feature_count);
+    EXPECT_EQ((*maps_.load(name))->features().size(), (*maps_.load("expected"))->features().size());
+  }
+}
+
 TEST_F(MapLibraryTest, RefusesParametersWithWhichAGridCannotHoldTheMap) {
   ASSERT_TRUE(maps_.put("office", parameters(R"({"grid": {"resolution_m": 1}})")));
   drive_.back().T_map_base_link.x += 2000.0;

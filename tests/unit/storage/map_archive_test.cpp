@@ -100,7 +100,7 @@ TEST_F(MapArchiveTest, AMapOfScansComesBackWithItsDigest) {
 }
 
 TEST_F(MapArchiveTest, AMapOfAFloorMapComesBackWithItsDigest) {
-  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = possible_grid()}, "t1").value());
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = possible_grid()}, "t1"));
   const MapArchive archive = decode_archive(archive_bytes("plan")).value();
   const MapInfo restored = store_.restore("copy", archive, {}, "t2").value();
   EXPECT_EQ(restored.digest, store_.find("plan")->digest);

@@ -486,16 +486,18 @@ OccupancyGrid small_plan(Cell first) {
 
 TEST_F(MapStoreTest, MakesAMapOfAFloorMapAndReplacesIt) {
   const OccupancyGrid plan = small_plan(Cell::kFree);
-  EXPECT_TRUE(
-      store_.put_floor_map("plan", {.grid = plan, .outline = {.feature_count = 4}}, "t1").value());
+  const MapInfo put =
+      store_.put_floor_map("plan", {.grid = plan, .outline = {.feature_count = 4}}, "t1").value();
   const MapInfo first = store_.find("plan").value();
+  EXPECT_EQ(put.digest, first.digest);
+  EXPECT_EQ(put.id, first.id);
   EXPECT_TRUE(first.has_floor_map);
   EXPECT_EQ(first.revision, 1U);
   EXPECT_EQ(first.feature_count, 4U);
   EXPECT_EQ(store_.floor_map(first.id).value(), plan);
 
   const OccupancyGrid other = small_plan(Cell::kUnknown);
-  EXPECT_FALSE(store_.put_floor_map("plan", {.grid = other}, "t2").value());
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = other, .expected_revision = 1}, "t2"));
   const MapInfo second = store_.find("plan").value();
   EXPECT_EQ(second.revision, 2U);
   EXPECT_NE(second.digest, first.digest);
@@ -506,7 +508,19 @@ TEST_F(MapStoreTest, TheSameFloorMapAgainChangesNothing) {
   const OccupancyGrid plan = small_plan(Cell::kFree);
   ASSERT_TRUE(store_.put_floor_map("plan", {.grid = plan}, "t1"));
   const std::string before = dump();
-  EXPECT_FALSE(store_.put_floor_map("plan", {.grid = plan}, "t2").value());
+  EXPECT_EQ(
+      store_.put_floor_map("plan", {.grid = plan, .expected_revision = 1}, "t2").value().revision,
+      1U);
+  EXPECT_EQ(dump(), before);
+}
+
+TEST_F(MapStoreTest, AFloorMapIsPutInTheMapThatItWasMadeForOnly) {
+  const OccupancyGrid plan = small_plan(Cell::kFree);
+  EXPECT_EQ(store_.put_floor_map("plan", {.grid = plan, .expected_revision = 1}, "t1").error().code,
+            ErrorCode::kConflict);
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = plan}, "t1"));
+  const std::string before = dump();
+  EXPECT_EQ(store_.put_floor_map("plan", {.grid = plan}, "t2").error().code, ErrorCode::kConflict);
   EXPECT_EQ(dump(), before);
 }
 
