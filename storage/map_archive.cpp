@@ -87,12 +87,15 @@ void write(SQLite::Database& image, const MapArchive& archive) {
   transaction.commit();
 }
 
+constexpr std::int64_t kMaxRevision = std::int64_t{1} << 53;  // what a JSON number holds exactly
+
 Result<void> read_map(SQLite::Database& image, MapArchive& archive) {
   SQLite::Statement map(
       image, "SELECT description, revision, digest, lidar_json, parameters_json, drifts FROM map");
   if (!map.executeStep()) return refused("the archive holds no map");
   const std::int64_t revision = map.getColumn(1).getInt64();
-  if (revision < 1) return refused("the map's revision is below 1");
+  if (revision < 1 || revision > kMaxRevision)
+    return refused("the map's revision is not between 1 and 2^53");
   const std::int64_t drifts = map.getColumn(5).getInt64();
   if (drifts != 0 && drifts != 1) return refused("whether the map drifts is neither 0 nor 1");
   archive.description = map.getColumn(0).getString();

@@ -153,6 +153,7 @@ TEST_F(MapArchiveTest, RefusesContentThatCannotBe) {
       {"DELETE FROM map", "no map"},
       {"INSERT INTO map SELECT * FROM map", "more than one map"},
       {"UPDATE map SET revision = 0", "revision"},
+      {"UPDATE map SET revision = 9223372036854775807", "revision"},
       {"UPDATE map SET digest = 'x'", "digest"},
       {"UPDATE map SET parameters_json = '{}'", "digest"},
       {"UPDATE key_frames SET scan = x'0101' WHERE ordinal = 1",
