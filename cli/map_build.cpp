@@ -24,6 +24,9 @@ constexpr std::size_t kScansPerBatch = 50;
 const std::string kNothingNew =
     "the map holds scans of all its stamps already: nothing was added. Another drive needs stamps "
     "of its own";
+const std::string kPartlyKnown =
+    " of its scans have stamps that the map holds already and were left out, as after an "
+    "interruption. Another drive needs stamps of its own";
 
 std::string file_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
@@ -57,10 +60,12 @@ Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress
   return total;
 }
 
-/// What a map says of itself already: a later drive does not change it.
+/// What a map says of itself already: a later drive does not change it, and one into a floor map
+/// will be refused.
 struct KnownOfMap {
   bool description = false;
   bool lidar = false;
+  bool is_floor_map = false;
 };
 
 /// What the log can tell of the map that the map does not say itself; nothing when there is none.
@@ -68,6 +73,7 @@ std::optional<std::string> description_body(const MapBuildArguments& arguments,
                                             const LogHeader& header,
                                             const std::optional<KnownOfMap>& known) {
   nlohmann::ordered_json body;
+  if (known && known->is_floor_map) return std::nullopt;
   if (!known || !known->description) body["description"] = "from " + file_name(arguments.log);
   if (!known || !known->lidar) body["lidar"] = lidar_json(header);
   if (body.empty()) return std::nullopt;
@@ -104,7 +110,7 @@ Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arg
     if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
     if (map)
       known = {!map->value("description", "").empty(),
-               !map->value("lidar", nlohmann::json()).is_null()};
+               !map->value("lidar", nlohmann::json()).is_null(), map->value("floor_map", false)};
   }
   const auto body = description_body(arguments, header, known);
   if (!body) return {};
@@ -145,7 +151,7 @@ Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& 
   const auto map = library.find(arguments.name);
   if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
   std::optional<KnownOfMap> known;
-  if (map) known = {!map->description.empty(), !map->lidar_json.empty()};
+  if (map) known = {!map->description.empty(), !map->lidar_json.empty(), map->has_floor_map};
   const auto body = description_body(arguments, header, known);
   if (!body) return {};
   const auto request = api::parse_put_map(*body, api::BodyFormat::kJson);
@@ -209,7 +215,11 @@ int run_map_build(const MapBuildArguments& arguments) {
   if (!growth) return fail(growth.error());
   warn(arguments.log, scans->remarks());
   if (arguments.connection.print_curl) return kDone;
-  if (growth->accepted == 0) warn(arguments.log, kNothingNew);
+  if (growth->accepted == 0) {
+    warn(arguments.log, kNothingNew);
+  } else if (growth->duplicates > 0) {
+    warn(arguments.log, std::to_string(growth->duplicates) + kPartlyKnown);
+  }
   std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
               arguments.name.c_str(), scans->count(), growth->duplicates, growth->key_frames,
               growth->features, static_cast<unsigned long long>(growth->revision));
