@@ -1,9 +1,11 @@
 #include "cli/map_report.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -15,6 +17,7 @@ namespace cornerfix::cli {
 namespace {
 
 constexpr std::size_t kMaxRows = 10;
+constexpr std::chrono::milliseconds kPause{300};
 
 template <typename... Values>
 std::string text(const char* pattern, Values... values) {
@@ -28,13 +31,15 @@ std::string place_text(const nlohmann::json& place) {
   return text("%.1f, %.1f", place.value("x", 0.0), place.value("y", 0.0));
 }
 
-/// Asks until the report is made.
+/// Asks until the report is made. A server that lets enough callers wait answers at once, hence the
+/// pause.
 Result<nlohmann::json> wait_for_report(ServerConnection& server, const std::string& path) {
   Progress progress("simulating");
   for (;;) {
     Result<nlohmann::json> report = server.call({"GET", path + "?wait=2"});
     if (!report || report->value("state", "done") == "done") return report;
     progress.update(report->value("progress", 0.0));
+    std::this_thread::sleep_for(kPause);
   }
 }
 
