@@ -1,7 +1,8 @@
 #include "cli/revisit_score.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <compare>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -16,13 +17,17 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLeastWay = 20.0;  // [m]
 constexpr double kNear = 1.5;       // [m]
 constexpr double kSameWay = 40.0 * kDegree;
-constexpr std::size_t kMaxPairs = 1000;
+constexpr std::size_t kMaxPairs = 500;
 constexpr double kSamePosition = 0.01;  // [m]
 constexpr double kSameHeading = 0.2 * kDegree;
+constexpr double kLeastShare = 0.5;   // of a scan's points on walls of the other
+constexpr double kClearlyMore = 0.1;  // of them
 
 struct ScanPair {
-  std::size_t earlier = 0;
   std::size_t later = 0;
+  std::size_t earlier = 0;
+
+  friend auto operator<=>(const ScanPair&, const ScanPair&) = default;
 
   [[nodiscard]] Pose2 in(const std::vector<Pose2>& trajectory) const {
     return inverse(trajectory[earlier]) * trajectory[later];
@@ -44,51 +49,70 @@ std::vector<ScanPair> revisits(std::span<const std::size_t> indices,
       nearest = distance(here, there);
       back = indices[m];
     }
-    if (back) pairs.push_back({*back, indices[n]});
+    if (back) pairs.push_back({indices[n], *back});
   }
   return pairs;
 }
 
-std::vector<ScanPair> thinned(const std::vector<ScanPair>& pairs) {
+/// Of all trajectories, evenly taken.
+std::vector<ScanPair> all_revisits(std::span<const std::size_t> indices,
+                                   std::span<const std::vector<Pose2>> trajectories) {
+  std::vector<ScanPair> pairs;
+  for (const std::vector<Pose2>& trajectory : trajectories)
+    std::ranges::copy(revisits(indices, trajectory), std::back_inserter(pairs));
+  std::ranges::sort(pairs);
+  const auto repeated = std::ranges::unique(pairs);
+  pairs.erase(repeated.begin(), repeated.end());
   if (pairs.size() <= kMaxPairs) return pairs;
-  std::vector<ScanPair> kept;
-  for (std::size_t i = 0; i < kMaxPairs; ++i) kept.push_back(pairs[i * pairs.size() / kMaxPairs]);
-  return kept;
+  std::vector<ScanPair> thinned;
+  for (std::size_t i = 0; i < kMaxPairs; ++i)
+    thinned.push_back(pairs[i * pairs.size() / kMaxPairs]);
+  return thinned;
 }
 
-/// What the two scans say, if it is the same whichever trajectory is asked where to begin.
+bool is_same(const Pose2& a, const Pose2& b) {
+  return distance(a, b) <= kSamePosition && angle_between(a, b) <= kSameHeading;
+}
+
+/// What the two scans say, wherever one begins to lay them on each other.
 std::optional<Pose2> registered(std::span<const LogScan> scans, const ScanPair& pair,
                                 std::span<const std::vector<Pose2>> trajectories) {
-  std::optional<Pose2> agreed;
+  std::vector<Registration> found;
   for (const std::vector<Pose2>& trajectory : trajectories) {
-    const auto found =
+    const auto from_here =
         register_scans(scans[pair.earlier].scan, scans[pair.later].scan, pair.in(trajectory));
-    if (!found) return std::nullopt;
-    if (agreed && (distance(*agreed, *found) > kSamePosition ||
-                   angle_between(*agreed, *found) > kSameHeading))
-      return std::nullopt;
-    agreed = found;
+    if (from_here && from_here->inlier_share >= kLeastShare) found.push_back(*from_here);
   }
-  return agreed;
+  if (found.empty()) return std::nullopt;
+  const Registration& best = *std::ranges::max_element(found, {}, &Registration::inlier_share);
+  const bool is_contested = std::ranges::any_of(found, [&](const Registration& other) {
+    return !is_same(best.T_a_b, other.T_a_b) &&
+           other.inlier_share + kClearlyMore > best.inlier_share;
+  });
+  if (is_contested) return std::nullopt;
+  return best.T_a_b;
 }
 
 }  // namespace
 
-std::vector<RelativePoseError> revisit_errors(std::span<const LogScan> scans,
-                                              std::span<const std::size_t> indices,
-                                              std::span<const std::vector<Pose2>> trajectories) {
-  std::vector<RelativePoseError> errors(trajectories.size(),
-                                        {.way_m = kLeastWay, .errors_m = {}, .errors_rad = {}});
-  for (const ScanPair& pair : thinned(revisits(indices, trajectories.front()))) {
+RevisitScore score_revisits(std::span<const LogScan> scans, std::span<const std::size_t> indices,
+                            std::span<const std::vector<Pose2>> trajectories) {
+  RevisitScore score;
+  score.errors.resize(trajectories.size(), {.way_m = kLeastWay, .errors_m = {}, .errors_rad = {}});
+  for (const ScanPair& pair : all_revisits(indices, trajectories)) {
     const auto expected = registered(scans, pair, trajectories);
-    if (!expected) continue;
+    if (!expected) {
+      ++score.undecided;
+      continue;
+    }
+    ++score.pairs;
     for (std::size_t i = 0; i < trajectories.size(); ++i) {
       const Pose2 found = pair.in(trajectories[i]);
-      errors[i].errors_m.push_back(distance(*expected, found));
-      errors[i].errors_rad.push_back(angle_between(*expected, found));
+      score.errors[i].errors_m.push_back(distance(*expected, found));
+      score.errors[i].errors_rad.push_back(angle_between(*expected, found));
     }
   }
-  return errors;
+  return score;
 }
 
 }  // namespace cornerfix::cli

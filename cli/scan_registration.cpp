@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace cornerfix::cli {
@@ -20,8 +21,10 @@ constexpr double kLastGate = 0.06;  // [m]
 constexpr double kShrink = 0.8;     // of the gate, an iteration
 constexpr double kStray = 0.03;     // scale of the Cauchy loss [m]
 constexpr std::size_t kMinPoints = 30;
-constexpr double kLeastAcross = 0.05;  // share of the walls' directions, in the poorest one
-constexpr double kConverged = 1e-5;    // [m], [rad]
+constexpr std::size_t kMaxReturns = 360;
+constexpr double kLeastTold = 0.02;  // share of the points that tell the poorest direction
+constexpr double kConverged = 1e-5;  // [m], [rad]
+constexpr double kSettled = 1e-3;    // [m], [rad]
 
 /// Returns, with the directions of the walls that they lie on.
 struct WallPoints {
@@ -33,7 +36,11 @@ struct WallPoints {
 std::vector<Point2> near_returns(const LaserScan& scan) {
   std::vector<Point2> points = returns_as_points(scan);
   std::erase_if(points, [](const Point2& point) { return point.norm() > kFarthest; });
-  return points;
+  if (points.size() <= kMaxReturns) return points;
+  std::vector<Point2> thinned;
+  for (std::size_t i = 0; i < kMaxReturns; ++i)
+    thinned.push_back(points[i * points.size() / kMaxReturns]);
+  return thinned;
 }
 
 /// Across the wall through a return and its neighbours, or nothing where they make no line.
@@ -70,7 +77,8 @@ WallPoints wall_points(const LaserScan& scan) {
 struct System {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  Eigen::Matrix2d directions = Eigen::Matrix2d::Zero();
+  Eigen::Matrix3d told = Eigen::Matrix3d::Zero();  ///< Without weights.
+  double squared_arms = 0.0;
   std::size_t points = 0;
 
   void add(const Point2& normal, const Point2& arm, double error) {
@@ -79,14 +87,19 @@ struct System {
     const double weight = 1.0 / (1.0 + (error / kStray) * (error / kStray));
     information += weight * jacobian * jacobian.transpose();
     gradient += weight * error * jacobian;
-    directions += normal * normal.transpose();
+    told += jacobian * jacobian.transpose();
+    squared_arms += arm.squaredNorm();
     ++points;
   }
 
+  /// Radians count by what they move the points.
   [[nodiscard]] bool tells_a_pose() const {
     if (points < kMinPoints) return false;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(directions, Eigen::EigenvaluesOnly);
-    return axes.eigenvalues()[0] >= kLeastAcross * static_cast<double>(points);
+    const double arm = std::sqrt(squared_arms / static_cast<double>(points));
+    const Eigen::Vector3d scale(1.0, 1.0, 1.0 / arm);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+        scale.asDiagonal() * told * scale.asDiagonal(), Eigen::EigenvaluesOnly);
+    return axes.eigenvalues()[0] >= kLeastTold * static_cast<double>(points);
   }
 };
 
@@ -108,21 +121,27 @@ System linearize(const WallPoints& walls, const std::vector<Point2>& points, con
 
 }  // namespace
 
-std::optional<Pose2> register_scans(const LaserScan& a, const LaserScan& b, const Pose2& guess) {
+std::optional<Registration> register_scans(const LaserScan& a, const LaserScan& b,
+                                           const Pose2& guess) {
   const WallPoints walls = wall_points(a);
   const std::vector<Point2> points = near_returns(b);
   if (walls.normals.empty()) return std::nullopt;
-  Pose2 T_a_b = guess;
+  Registration found{guess, 0.0};
   double gate_m = kFirstGate;
+  double last_step = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMaxIterations; ++i) {
-    const System system = linearize(walls, points, T_a_b, gate_m);
+    const System system = linearize(walls, points, found.T_a_b, gate_m);
     if (!system.tells_a_pose()) return std::nullopt;
+    found.inlier_share = static_cast<double>(system.points) / static_cast<double>(points.size());
     const Eigen::Vector3d step = -system.information.ldlt().solve(system.gradient);
-    T_a_b = {T_a_b.x + step.x(), T_a_b.y + step.y(), wrap_angle(T_a_b.yaw + step.z())};
-    if (gate_m <= kLastGate && step.cwiseAbs().maxCoeff() < kConverged) break;
+    found.T_a_b = {found.T_a_b.x + step.x(), found.T_a_b.y + step.y(),
+                   wrap_angle(found.T_a_b.yaw + step.z())};
+    last_step = step.cwiseAbs().maxCoeff();
+    if (gate_m <= kLastGate && last_step < kConverged) break;
     gate_m = std::max(kLastGate, kShrink * gate_m);
   }
-  return T_a_b;
+  if (last_step > kSettled) return std::nullopt;
+  return found;
 }
 
 }  // namespace cornerfix::cli

@@ -39,15 +39,19 @@ nlohmann::ordered_json spread(std::vector<double> values, double unit) {
   return {{"mean", rounded(mean / unit)}, {"p50", at(0.5)}, {"p95", at(0.95)}, {"max", at(1.0)}};
 }
 
-nlohmann::ordered_json error_json(const RelativePoseError& error) {
+nlohmann::ordered_json spreads(const RelativePoseError& error) {
   constexpr double kDegree = std::numbers::pi / 180.0;
-  return {{"way_m", error.way_m},
-          {"relations", error.errors_m.size()},
-          {"error_m", spread(error.errors_m, 1.0)},
+  return {{"error_m", spread(error.errors_m, 1.0)},
           {"error_deg", spread(error.errors_rad, kDegree)}};
 }
 
-/// Errors against pairs of scans that tell by themselves how they lie to each other.
+nlohmann::ordered_json error_json(const RelativePoseError& error) {
+  nlohmann::ordered_json json = {{"way_m", error.way_m}, {"relations", error.errors_m.size()}};
+  json.update(spreads(error));
+  return json;
+}
+
+/// What pairs of scans of one place say of the trajectory, and of the log's reference.
 nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamRun& run) {
   std::vector<std::size_t> indices = reference_scans(scans);
   std::vector<std::vector<Pose2>> trajectories = {run.T_map_laser};
@@ -58,10 +62,11 @@ nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamR
     for (const LogScan& scan : scans)
       trajectories.back().push_back(scan.T_map_laser.value_or(Pose2{}));
   }
-  const auto errors = revisit_errors(scans, indices, trajectories);
-  if (errors.front().errors_m.empty()) return nullptr;
-  nlohmann::ordered_json json = {{"found", error_json(errors.front())}};
-  if (errors.size() > 1) json["reference"] = error_json(errors.back());
+  const RevisitScore score = score_revisits(scans, indices, trajectories);
+  nlohmann::ordered_json json = {{"pairs", score.pairs}, {"undecided", score.undecided}};
+  if (score.pairs == 0) return json;
+  json["found"] = spreads(score.errors.front());
+  if (score.errors.size() > 1) json["reference"] = spreads(score.errors.back());
   return json;
 }
 
@@ -97,9 +102,9 @@ void add_slam_command(CLI::App& app, int& exit_code) {
       "slam", "Find the trajectory of a log without its poses, and score it against them");
   command->footer(
       "Prints the error of relative poses (Kuemmerle et al. 2009) between reference poses 2 m and "
-      "20 m of way apart, and of both trajectories between scans of one place, 20 m of way and "
-      "more "
-      "apart, that are laid on each other (null where the drive never comes back).");
+      "20 m of way apart; and of both trajectories, or of the one found, between scans of one "
+      "place, "
+      "20 m of way and more apart, that are laid on each other.");
   command->add_option("LOG", arguments->log, "Recorded drive")
       ->required()
       ->check(CLI::ExistingFile);
