@@ -70,9 +70,12 @@ std::string describe_problem(const std::string& body) {
   if (text.empty()) text = text_member(problem, "title");
   const auto errors = problem.find("errors");
   if (errors == problem.end() || !errors->is_array()) return text;
+  const std::string first = text;
   for (const auto& error : *errors) {
     if (!error.is_object()) continue;
-    text += "; " + text_member(error, "pointer") + ": " + text_member(error, "detail");
+    const std::string pointer = text_member(error, "pointer");
+    const std::string detail = text_member(error, "detail");
+    text += detail == first ? " (" + pointer + ")" : "; " + pointer + ": " + detail;
   }
   return text;
 }

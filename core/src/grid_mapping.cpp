@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
 #include <utility>
 
 #include <cornerfix/virtual_lidar.hpp>
@@ -24,14 +25,12 @@ bool has_cell(const OccupancyGrid& grid, Cell cell) {
   return std::find(grid.cells.begin(), grid.cells.end(), cell) != grid.cells.end();
 }
 
-std::vector<Feature> features_of(const OccupancyGrid& floor_map, const MapperParams& params) {
-  const VirtualLidar lidar(floor_map);
-  const std::vector<Point2> viewpoints = lidar.viewpoints(kLattice, kViewpointClearance);
+std::vector<Feature> features_of(const VirtualLidar& lidar, std::span<const Point2> viewpoints,
+                                 double noise_m, const MapperParams& params) {
   std::vector<std::vector<Feature>> corners(viewpoints.size());
   for_each_in_parallel(viewpoints.size(), [&](std::size_t i) {
     const Point2& viewpoint = viewpoints[i];
-    corners[i] = extract_corners(lidar.scan(viewpoint), params.extractor,
-                                 kNoisePerCell * floor_map.resolution);
+    corners[i] = extract_corners(lidar.scan(viewpoint), params.extractor, noise_m);
     for (Feature& corner : corners[i])
       corner = transformed({viewpoint.x(), viewpoint.y(), 0.0}, corner);
   });
@@ -81,7 +80,16 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
   if (!surfaces) return surfaces.error();
   GridMap map;
   map.warnings = warnings_for(floor_map, *surfaces);
-  map.content.features = features_of(clear, params);
+  const VirtualLidar lidar(clear);
+  const std::vector<Point2> viewpoints = lidar.viewpoints(kLattice, kViewpointClearance);
+  if (viewpoints.empty()) {
+    map.warnings.push_back(
+        "nowhere in the free space has a robot room to move about: the map is without features. "
+        "Are "
+        "resolution and thresholds right?");
+  }
+  map.content.features =
+      features_of(lidar, viewpoints, kNoisePerCell * floor_map.resolution, params);
   map.content.descriptors = describe(map.content.features, params.descriptors);
   map.content.grid = std::move(surfaces->grid);
   return map;

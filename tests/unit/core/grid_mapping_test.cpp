@@ -130,6 +130,15 @@ TEST(GridMapping, ThickWallsAreSaid) {
   EXPECT_THAT(map.warnings[0], HasSubstr("walls are 0.25 m thick"));
 }
 
+TEST(GridMapping, SaysWhenNoRobotHasRoomInIt) {
+  OccupancyGrid tiny = floor_map_of(testing::offices());
+  tiny.resolution = 0.002;  // a slip of the pen: it is 0.05
+  const GridMap map = map_of(tiny);
+  ASSERT_EQ(map.warnings.size(), 1U);
+  EXPECT_THAT(map.warnings[0], HasSubstr("room to move"));
+  EXPECT_THAT(map.content.features, IsEmpty());
+}
+
 TEST(GridMapping, MapsWithoutFreeSpaceOrWallsAreRefused) {
   OccupancyGrid floor_map = testing::unknown_grid({}, {1.0, 1.0}, 0.05);
   EXPECT_THAT(map_from_grid(floor_map, {}).error().message, HasSubstr("no free cell"));
