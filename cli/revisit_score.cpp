@@ -20,7 +20,7 @@ constexpr double kSameWay = 40.0 * kDegree;
 constexpr std::size_t kMaxPairs = 500;
 constexpr double kSamePosition = 0.01;  // [m]
 constexpr double kSameHeading = 0.2 * kDegree;
-constexpr double kLeastShare = 0.5;   // of a scan's points on walls of the other
+constexpr double kLeastShare = 0.3;   // of a scan's points on walls of the other
 constexpr double kClearlyMore = 0.1;  // of them
 
 struct ScanPair {

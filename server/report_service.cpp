@@ -89,7 +89,7 @@ std::shared_ptr<ReportService::Job> ReportService::find_or_begin(const storage::
   const auto is_of_map = [&](const auto& job) { return job->info.id == info.id; };
   const auto found = std::ranges::find_if(jobs_, is_of_map);
   if (found != jobs_.end()) {
-    if ((*found)->info.revision == info.revision) return *found;
+    if ((*found)->info.revision >= info.revision) return *found;  // `info` may be a little old.
     (*found)->is_outdated = true;
     jobs_.erase(found);
   }

@@ -43,6 +43,22 @@ TEST_F(ReportServiceTest, AnswersWithAnErrorWhenMakingAReportThrowsAndGoesOn) {
   EXPECT_NE(made->report, nullptr);
 }
 
+TEST_F(ReportServiceTest, LeavesAReportAloneWhenSomebodyAsksForAnOlderRevision) {
+  ReportService reports(process_.maps, [&](const auto&, const auto&, const auto&) {
+    return std::optional(LocalizabilityReport{});
+  });
+  const storage::MapInfo older = make_small_map("office");
+  ASSERT_TRUE(process_.maps->grow("office", std::span(drive_).subspan(3, 3)));
+  const storage::MapInfo newer = process_.maps->find("office").value();
+  ASSERT_GT(newer.revision, older.revision);
+  const auto made = reports.get(newer, kLongWait);
+  ASSERT_TRUE(made);
+  const auto asked_late = reports.get(older, kLongWait);
+  ASSERT_TRUE(asked_late);
+  EXPECT_EQ(asked_late->revision, newer.revision);
+  EXPECT_EQ(asked_late->report, made->report);
+}
+
 TEST_F(ReportServiceTest, GivesUpTheReportsOfDeletedMapsSoThatOthersHaveTheirPlace) {
   std::promise<void> began;
   // Like the real one, it ends when it is told that nobody wants its report any longer.
