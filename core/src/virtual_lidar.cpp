@@ -39,21 +39,21 @@ OccupancyGrid opaque(const OccupancyGrid& floor_map) {
   return grid;
 }
 
-/// The cells of `roomy` (others are 0) that lie in a region of so many or more.
-cv::Mat_<std::uint8_t> in_large_regions(const cv::Mat_<std::uint8_t>& roomy, double least_cells) {
-  cv::Mat_<int> labels;
-  cv::Mat_<int> stats;
-  cv::Mat centroids;
-  cv::connectedComponentsWithStats(roomy, labels, stats, centroids);
-  cv::Mat_<std::uint8_t> kept(roomy.size(), std::uint8_t{0});
-  std::transform(labels.begin(), labels.end(), kept.begin(), [&](int label) {
-    return label != 0 && stats(label, cv::CC_STAT_AREA) >= least_cells ? 1 : 0;
-  });
-  return kept;
+/// Leaves of the cells that are 1 those in regions of so many or more, as 2; others become 0.
+void drop_small_regions(cv::Mat_<std::uint8_t>& cells, double least_cells) {
+  const int eight_neighbours = 8;
+  for (int row = 0; row < cells.rows; ++row) {
+    for (int column = 0; column < cells.cols; ++column) {
+      if (cells(row, column) != 1) continue;
+      const cv::Point seed(column, row);
+      const int count = cv::floodFill(cells, seed, 2, nullptr, {}, {}, eight_neighbours);
+      if (count < least_cells) cv::floodFill(cells, seed, 0, nullptr, {}, {}, eight_neighbours);
+    }
+  }
 }
 
-/// 1 where a robot has room to move about. What beams saw of the world behind a window or a door
-/// that stood ajar lies in slivers.
+/// Not 0 where a robot has room to move about. What beams saw of the world behind a window or a
+/// door that stood ajar lies in slivers.
 cv::Mat_<std::uint8_t> room_of(const OccupancyGrid& floor_map, const RayCaster& caster,
                                double clearance_m) {
   cv::Mat_<std::uint8_t> roomy(floor_map.height, floor_map.width, std::uint8_t{0});
@@ -64,7 +64,8 @@ cv::Mat_<std::uint8_t> room_of(const OccupancyGrid& floor_map, const RayCaster& 
       if (caster.clearance(point_map) >= clearance_m) roomy(row, column) = 1;
     }
   }
-  return in_large_regions(roomy, kLeastRoom / (floor_map.resolution * floor_map.resolution));
+  drop_small_regions(roomy, kLeastRoom / (floor_map.resolution * floor_map.resolution));
+  return roomy;
 }
 
 }  // namespace
