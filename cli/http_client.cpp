@@ -75,7 +75,8 @@ std::string describe_problem(const std::string& body) {
     if (!error.is_object()) continue;
     const std::string pointer = text_member(error, "pointer");
     const std::string detail = text_member(error, "detail");
-    text += detail == first ? " (" + pointer + ")" : "; " + pointer + ": " + detail;
+    text += detail == first ? " (" + pointer : "; " + pointer;
+    text += detail == first ? ")" : ": " + detail;
   }
   return text;
 }

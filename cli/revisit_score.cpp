@@ -1,7 +1,6 @@
 #include "cli/revisit_score.hpp"
 
 #include <algorithm>
-#include <compare>
 #include <iterator>
 #include <numbers>
 #include <optional>
@@ -26,8 +25,6 @@ constexpr double kClearlyMore = 0.1;  // of them
 struct ScanPair {
   std::size_t later = 0;
   std::size_t earlier = 0;
-
-  friend auto operator<=>(const ScanPair&, const ScanPair&) = default;
 
   [[nodiscard]] Pose2 in(const std::vector<Pose2>& trajectory) const {
     return inverse(trajectory[earlier]) * trajectory[later];
@@ -60,9 +57,12 @@ std::vector<ScanPair> all_revisits(std::span<const std::size_t> indices,
   std::vector<ScanPair> pairs;
   for (const std::vector<Pose2>& trajectory : trajectories)
     std::ranges::copy(revisits(indices, trajectory), std::back_inserter(pairs));
-  std::ranges::sort(pairs);
-  const auto repeated = std::ranges::unique(pairs);
-  pairs.erase(repeated.begin(), repeated.end());
+  const auto indices_of = [](const ScanPair& pair) { return std::pair(pair.later, pair.earlier); };
+  const auto is_same_pair = [&](const ScanPair& a, const ScanPair& b) {
+    return indices_of(a) == indices_of(b);
+  };
+  std::ranges::sort(pairs, {}, indices_of);
+  pairs.erase(std::unique(pairs.begin(), pairs.end(), is_same_pair), pairs.end());
   if (pairs.size() <= kMaxPairs) return pairs;
   std::vector<ScanPair> thinned;
   for (std::size_t i = 0; i < kMaxPairs; ++i)
