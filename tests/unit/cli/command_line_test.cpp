@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "server/map_library.hpp"
+#include "server/store_access.hpp"
 #include "unit/cli/fake_server.hpp"
 #include "unit/cli/temporary_directory.hpp"
 
@@ -324,6 +326,29 @@ TEST_F(CommandLine, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   EXPECT_EQ(second.exit_code, 0) << second.err;
   EXPECT_THAT(second.out, HasSubstr("attic: 60 scans (60 there already), 60 key frames"));
   EXPECT_THAT(second.err, HasSubstr("nothing was added"));
+}
+
+TEST_F(CommandLine, LeavesInADatabaseWhatAMapSaysOfItselfAndAFloorMapAltogether) {
+  const std::string first = directory_.write("first.jsonl", walk(3)).string();
+  const std::string later = directory_.write("later.jsonl", walk(6)).string();
+  const std::string yaml = CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml";
+  const std::string database = (directory_.path() / "maps.db").string();
+  const auto build = [&](const char* map, const std::string& log) {
+    return run({"map", "build", map, log.c_str(), "--db", database.c_str()}).exit_code;
+  };
+  ASSERT_EQ(build("attic", first), 0);
+  ASSERT_EQ(build("attic", later), 0);
+  ASSERT_EQ(run({"map", "import", "plan", yaml.c_str(), "--db", database.c_str()}).exit_code, 0);
+  EXPECT_EQ(build("plan", later), 1);
+
+  const auto stores = server::StoreAccess::open(database);
+  ASSERT_TRUE(stores);
+  server::MapLibrary maps(*stores, {}, [] { return std::string(); });
+  EXPECT_EQ(maps.find("attic")->description, "from first.jsonl");
+  EXPECT_EQ(maps.find("attic")->key_frame_count, 6U);
+  EXPECT_EQ(maps.find("plan")->description, "");
+  EXPECT_EQ(maps.find("plan")->lidar_json, "");
+  EXPECT_EQ(maps.find("plan")->revision, 1U);
 }
 
 TEST_F(CommandLine, ImportsALargePgmInASmallBody) {

@@ -55,6 +55,15 @@ TEST(HttpClient, TellsWhatAProblemDocumentSays) {
   EXPECT_EQ(body.error().field, "POST /v1/maps/a/scans");
 }
 
+TEST(HttpClient, SaysOnceWhatIsWrongWithOneField) {
+  FakeServer server([](const FakeRequest&) {
+    return FakeAnswer{422, R"({"title": "Invalid", "detail": "no free cell",
+        "errors": [{"pointer": "/image", "detail": "no free cell"}]})"};
+  });
+  EXPECT_EQ(client_of(server).send({"PUT", "/v1/maps/a/grid"}).error().message,
+            "422 no free cell (/image)");
+}
+
 TEST(HttpClient, GivesEachStatusItsCode) {
   const std::vector<std::pair<int, ErrorCode>> codes = {
       {400, ErrorCode::kMalformed}, {404, ErrorCode::kNotFound},    {409, ErrorCode::kConflict},
