@@ -4,8 +4,12 @@
 #include <SQLiteCpp/Statement.h>
 #include <sqlite3.h>
 
+#include <array>
+#include <cstdint>
 #include <exception>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "storage/schema.hpp"
@@ -74,8 +78,23 @@ std::string immutable_uri(const fs::path& path) {
   return uri + "?immutable=1";
 }
 
-Result<void> check_owner(SQLite::Database& connection) {
-  const std::int64_t owner = connection.execAndGet("PRAGMA application_id").getInt64();
+/// Reads application_id from the file's header (bytes 68 to 71, SQLite file format 1.3), which a
+/// checkpoint that was interrupted leaves intact. SQLite without the WAL would refuse such a file,
+/// because its header may count pages that are still in the WAL.
+Result<void> check_owner(const fs::path& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  constexpr std::size_t kOwnerOffset = 68;
+  std::array<char, 100> header{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{ErrorCode::kUnavailable, "cannot be opened for reading", ""};
+  file.read(header.data(), header.size());
+  if (file.gcount() < static_cast<std::streamsize>(header.size()) ||
+      !std::string_view(header.data(), header.size()).starts_with(kMagic)) {
+    return Error{ErrorCode::kCorruptData, "file is not a database", ""};
+  }
+  std::uint32_t owner = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    owner = owner << 8U | static_cast<unsigned char>(header.at(kOwnerOffset + i));
   if (owner == kApplicationId) return {};
   return Error{ErrorCode::kInvalidArgument,
                "the file is not a Cornerfix database: its application_id is " +
@@ -107,10 +126,12 @@ Result<void> check_file(const fs::path& path, int busy_timeout_ms) {
   if (fs::is_directory(path)) return Error{ErrorCode::kInvalidArgument, "is a directory", ""};
   if (!fs::exists(path) || (fs::is_regular_file(path) && fs::file_size(path) == 0)) return {};
 
-  SQLite::Database connection(immutable_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
-  if (Result<void> ours = check_owner(connection); !ours) return ours;
+  if (Result<void> ours = check_owner(path); !ours) return ours;
   if (!has_companions(path)) {
-    Result<void> sound = guarded([&] { return check_content(connection); });
+    Result<void> sound = guarded([&] {
+      SQLite::Database connection(immutable_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+      return check_content(connection);
+    });
     // A process that opened the file since may have written while we read.
     if (sound || !has_companions(path)) return sound;
   }

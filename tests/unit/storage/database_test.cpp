@@ -136,8 +136,8 @@ TEST(Database, RefusesWhatIsNotSqlite) {
 TEST(Database, RefusesASingleByte) {
   const TempDirectory directory;
   write_bytes(directory / "notes.txt", "x");
-  expect_refused_untouched(directory, directory / "notes.txt", ErrorCode::kInvalidArgument,
-                           "not a Cornerfix database");
+  expect_refused_untouched(directory, directory / "notes.txt", ErrorCode::kCorruptData,
+                           "not a database");
 }
 
 TEST(Database, RefusesAnSqliteFileOfAnotherProgram) {
@@ -220,6 +220,50 @@ TEST(Database, GoesOnFromTheWalOfAKilledProcess) {
   }
   MapStore store(open_database(directory / "maps.db"));
   EXPECT_TRUE(store.find("office"));
+}
+
+/// Page `number`, from 1, as the last frame of the WAL that holds it has it (SQLite file format,
+/// section 4).
+std::string page_in_wal(const std::string& wal, std::uint32_t number, std::size_t page_size) {
+  constexpr std::size_t kWalHeader = 32;
+  constexpr std::size_t kFrameHeader = 24;
+  const auto big_endian = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      value = value << 8U | static_cast<unsigned char>(wal.at(at + i));
+    return value;
+  };
+  std::string page;
+  for (std::size_t frame = kWalHeader; frame + kFrameHeader + page_size <= wal.size();
+       frame += kFrameHeader + page_size) {
+    if (big_endian(frame) == number) page = wal.substr(frame + kFrameHeader, page_size);
+  }
+  return page;
+}
+
+// A checkpoint writes page 1 first, whose page count then exceeds the file's length.
+TEST(Database, GoesOnAfterACheckpointThatWroteTheFirstPageOnly) {
+  const TempDirectory directory;
+  const TempDirectory source;
+  {
+    MapStore store(open_database(source / "maps.db"));
+    ASSERT_TRUE(store.put("office", std::nullopt, std::nullopt, std::nullopt, "now"));
+    const MapInfo map = store.find("office").value();
+    ASSERT_TRUE(store.grow(map.id, map.revision,
+                           {.stamps = {}, .new_key_frames = sample_key_frames(60)}, "now"));
+    copy_as_killed(source / "maps.db", directory / "maps.db");
+  }
+  std::string file = read_bytes(directory / "maps.db");
+  const std::string first_page =
+      page_in_wal(read_bytes(directory / "maps.db-wal"), 1, std::size_t{4096});
+  ASSERT_EQ(first_page.size(), 4096U);
+  ASSERT_NE(first_page, file.substr(0, 4096));
+  file.replace(0, 4096, first_page);
+  write_bytes(directory / "maps.db", file);
+  MapStore store(open_database(directory / "maps.db"));
+  const auto key_frames = store.key_frames(store.find("office")->id);
+  ASSERT_TRUE(key_frames) << key_frames.error().message;
+  EXPECT_EQ(key_frames->size(), 60U);
 }
 
 TEST(Database, RollsBackWhatAKilledMigrationLeft) {
