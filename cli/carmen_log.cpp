@@ -18,9 +18,6 @@ constexpr double kPi = std::numbers::pi;
 /// A SICK LMS reports 81.9 m and a little less for "nothing there"; old messages do not say.
 constexpr double kRangeMax = 80.0;
 
-/// A range at the lidar's maximum means that nothing is there; logs round to the millimetre.
-constexpr double kBelowMaximum = 0.001;  // [m]
-
 /// A laser pose this close to the odometry says no more than the odometry does: no one corrected
 /// it.
 constexpr double kSamePosition = 1e-4;  // [m]
@@ -159,8 +156,8 @@ class CarmenParser final : public ScanParser {
     const std::string_view name = words.next();
     const auto value = words.next_number<double>();
     if (!value) return;
-    if (name == "robot_front_laser_max" && *value > kBelowMaximum) {
-      params_.range_max_m = std::min(kRangeMax, *value - kBelowMaximum);
+    if (name == "robot_front_laser_max" && *value > 0.0) {
+      params_.range_max_m = std::min(kRangeMax, *value);
     } else if (name == "laser_front_laser_fov" && *value > 0.0 && *value <= 360.0) {
       params_.field_of_view_rad = *value * kPi / 180.0;
     }
@@ -237,7 +234,7 @@ class CarmenParser final : public ScanParser {
     out.scan.angle_min = *start_angle;
     out.scan.angle_increment =
         *resolution != 0.0 ? *resolution : *field_of_view / static_cast<double>(*beams - 1);
-    out.scan.range_max = *maximum_range - kBelowMaximum;
+    out.scan.range_max = *maximum_range;
     if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
     const bool has_poses = laser.message.starts_with("ROBOT");
     if (!skip_remissions(words, has_poses)) {

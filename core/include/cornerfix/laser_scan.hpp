@@ -11,9 +11,13 @@
 
 namespace cornerfix {
 
-/// Beam i looks along angle_min + i * angle_increment in the frame `laser`. Ranges may be NaN,
-/// infinite or outside [range_min, range_max]: that beam has no return, which is never an error and
-/// never a point.
+/// Many drivers report range_max, or a rounded value just below it, for a beam without a return
+/// (Hokuyo, Stage, Gazebo). Ranges this close to range_max are no returns [m].
+inline constexpr double kRangeMaxTolerance = 0.01;
+
+/// Beam i looks along angle_min + i * angle_increment in the frame `laser`. A range that is NaN,
+/// infinite, below range_min, or above range_max - kRangeMaxTolerance is no return. That is never
+/// an error and never a point.
 struct LaserScan {
   double stamp = 0.0;            ///< [s]
   double angle_min = 0.0;        ///< [rad]
@@ -28,7 +32,8 @@ struct LaserScan {
   /// Whether the beam hit something. NaN compares false.
   [[nodiscard]] bool has_return(std::size_t beam) const {
     const double range = static_cast<double>(ranges[beam]);
-    return range >= range_min && range <= range_max && std::isfinite(range) && range > 0.0;
+    return range >= range_min && range < range_max - kRangeMaxTolerance && std::isfinite(range) &&
+           range > 0.0;
   }
 };
 

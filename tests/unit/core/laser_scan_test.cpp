@@ -55,12 +55,20 @@ TEST(LaserScan, ALidarThatMeasuresFromZeroHasNoReturnAtZero) {
   EXPECT_FALSE(scan.has_return(0));
 }
 
-TEST(LaserScan, ItsLimitsAreReturns) {
-  LaserScan scan = quarter_turns({0.5F, 8.0F});
+TEST(LaserScan, ARangeAtRangeMinIsAReturn) {
+  LaserScan scan = quarter_turns({0.5F});
   scan.range_min = 0.5;
-  scan.range_max = 8.0;
   EXPECT_TRUE(scan.has_return(0));
-  EXPECT_TRUE(scan.has_return(1));
+}
+
+// Drivers report range_max for a beam without a return, rounded to a float or to millimetres.
+TEST(LaserScan, ARangeAtRangeMaxOrJustBelowItIsNoReturn) {
+  LaserScan scan = quarter_turns({5.6F, 5.599F, 5.58F});
+  scan.range_max = 5.6;
+  EXPECT_FALSE(scan.has_return(0));
+  EXPECT_FALSE(scan.has_return(1));
+  EXPECT_TRUE(scan.has_return(2));
+  EXPECT_EQ(returns_as_points(scan).size(), 1U);
 }
 
 TEST(LaserScan, AnEmptyScanIsValid) {
