@@ -239,6 +239,10 @@ void run_starts(const EvaluateArguments& arguments, Task& task) {
                arguments.options, show_on(progress));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   task.evaluation.wall_s = wall.count();
+  if (std::ranges::none_of(task.evaluation.records, &StartRecord::counts)) {
+    warn(arguments.log,
+         "no start counts: none has the driving of --way or the time of --time ahead");
+  }
 }
 
 Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ordered_json& summary,

@@ -60,7 +60,8 @@ class EvaluateCommand : public testing::Test {
 TemporaryDirectory* EvaluateCommand::directory_ = nullptr;
 
 TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
-  const Outcome outcome = run({"evaluate", path("map.jsonl"), "--starts", "3", "--threads", "1"});
+  const Outcome outcome =
+      run({"evaluate", path("map.jsonl"), "--starts", "3", "--way", "5", "--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto figures = nlohmann::json::parse(outcome.out);
   for (const char* name : {"log",
@@ -73,9 +74,16 @@ TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
                            "false",
                            "none",
                            "success",
+                           "success_interval",
                            "success_5m",
                            "outside",
                            "outside_false",
+                           "answers_judged",
+                           "wrong_answers",
+                           "starts_with_wrong_answer",
+                           "wrong_interval",
+                           "wrong_later",
+                           "wrong_withdrawn",
                            "way_m",
                            "seconds",
                            "error_m",
@@ -89,6 +97,7 @@ TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
   }
   EXPECT_EQ(figures["log"], "map");
   EXPECT_EQ(figures["split"], "0.5");
+  EXPECT_EQ(figures["starts"].get<int>() + figures["outside"].get<int>(), 3);
   EXPECT_TRUE(figures["server_ms_per_scan"].contains("max"));
   EXPECT_EQ(figures["false"].get<int>() + figures["outside_false"].get<int>(), 0);
   EXPECT_THAT(outcome.err, HasSubstr("starts: 100 %"));
@@ -237,6 +246,13 @@ TEST_F(EvaluateCommand, SaysWhatALogLacks) {
   outcome = run({"evaluate", path("map.jsonl"), "--split", "1"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("holds no scan with a pose in the part that asks"));
+}
+
+TEST_F(EvaluateCommand, WarnsWhenNoStartHasEnoughLogAhead) {
+  const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--starts", "1", "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["starts"], 0);
+  EXPECT_THAT(outcome.err, HasSubstr("no start counts"));
 }
 
 TEST_F(EvaluateCommand, TellsHowManyBrokenRecordsItLeftOut) {
