@@ -1,33 +1,21 @@
 #include "cli/evaluation.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <numeric>
-#include <thread>
 
 #include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/map_image.hpp>
 
 #include "cli/log_split.hpp"
+#include "cli/processor_time.hpp"
 
 namespace cornerfix::cli {
 namespace {
-
-double processor_ms(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-/// Processor time of this thread: what a scan costs, whatever else the machine does.
-double thread_ms() { return processor_ms(CLOCK_THREAD_CPUTIME_ID); }
 
 bool has_key_scans(const RecordedLog& log) {
   return std::any_of(log.scans.begin(), log.scans.end(),
@@ -57,6 +45,7 @@ class Drive {
   StartRecord run(std::size_t start) {
     record_.start = order_[start];
     record_.near_m = nearest_mapping(scan_at(start));
+    if (options_.odometry_fault) fault_.emplace(*options_.odometry_fault, record_.start);
     robot_ = options_.make_robot ? options_.make_robot(scan_at(start)) : make_localizer();
     std::size_t waiting = 0;
     for (std::size_t k = start; k < order_.size(); ++k) {
@@ -95,13 +84,22 @@ class Drive {
     return nearest;
   }
 
-  void take_sample(const Answer& answer, const LogScan& scan) {
+  [[nodiscard]] std::optional<Pose2> odometry_at(const LogScan& scan) {
+    if (!options_.use_odometry || !scan.T_odom_laser) return std::nullopt;
+    if (!fault_) return scan.T_odom_laser;
+    return fault_->corrupt(scan.scan.stamp, *scan.T_odom_laser);
+  }
+
+  /// What a search of the whole map believed, and whether it was right.
+  void note_search(const Answer& answer, const LogScan& scan) {
     if (!answer.searched || answer.hypotheses.empty()) return;
     const RankedHypothesis& best = answer.hypotheses.front();
     const bool right =
         is_in_a_map() && best.map == maps_[right_map_] &&
         evaluation::is_correct(evaluation::pose_error(best.T_map_base_link, *scan.T_map_laser),
                                evaluation::kCorrectAngleBetweenKeyframes);
+    record_.searches.push_back({answer.confidence, right});
+    if (!options_.sample) return;
     record_.samples.push_back(
         {record_.driven_m, nearest_mapping(scan), right, best.evidence,
          answer.hypotheses.size() > 1 ? answer.hypotheses[1].evidence : EvidenceScore{}});
@@ -110,7 +108,7 @@ class Drive {
   Answer take(const LogScan& scan) {
     RobotScan robot_scan{scan.scan, {}, {}};
     if (options_.mirror) std::reverse(robot_scan.scan.ranges.begin(), robot_scan.scan.ranges.end());
-    if (options_.use_odometry) robot_scan.T_odom_base_link = scan.T_odom_laser;
+    robot_scan.T_odom_base_link = odometry_at(scan);
     const auto asked = std::chrono::steady_clock::now();
     const double begin = thread_ms();
     Answer answer = robot_(robot_scan);
@@ -120,7 +118,7 @@ class Drive {
     record_.round_trip_ms.push_back(waited.count());
     record_.reason = answer.reason;
     ++record_.scans;
-    if (options_.sample) take_sample(answer, scan);
+    note_search(answer, scan);
     return answer;
   }
 
@@ -138,8 +136,7 @@ class Drive {
   [[nodiscard]] bool is_over(double elapsed_s) const {
     if (!record_.way_m) return record_.driven_m > options_.way_m || elapsed_s > options_.time_s;
     const bool is_open =
-        judge_.is_pending() || (judge_.first_wrong() && !judge_.withdrawn_after_m() &&
-                                judge_.withdrawal() == evaluation::Withdrawal::kUndecided);
+        judge_.is_pending() || judge_.withdrawal() == evaluation::Withdrawal::kUndecided;
     return !is_open && record_.driven_m > *record_.way_m + options_.track_m;
   }
 
@@ -147,9 +144,10 @@ class Drive {
     record_.answers_judged = judge_.judged();
     record_.wrong_answers = judge_.wrong();
     record_.first_wrong = judge_.first_wrong();
-    record_.withdrawn_after_m = judge_.withdrawn_after_m();
+    record_.longest_wrong_m = judge_.longest_wrong_m();
     record_.withdrawal = judge_.withdrawal();
     record_.nees = judge_.nees_after_first();
+    record_.localized = judge_.forecasts();
     const auto& first = judge_.first();
     if (!first) return;
     record_.verdict = first->correct ? Verdict::kFixed : Verdict::kFalse;
@@ -169,6 +167,7 @@ class Drive {
   const EvaluationOptions& options_;
   bool keyed_;
   ScoredRobot robot_;
+  std::optional<evaluation::OdometryFault> fault_;
   evaluation::AnswerJudge judge_;
   StartRecord record_;
 };
@@ -278,22 +277,12 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::span<const std::s
   }
   const std::size_t count = std::min(options.starts, starts.size());
   std::vector<StartRecord> records(count);
-  std::atomic<std::size_t> next{0};
-  std::mutex progress_mutex;
-  std::size_t done = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      const std::size_t start = starts[i * starts.size() / count];
-      records[i] = Drive(log, order, maps, right_map, mapping_positions, options).run(start);
-      records[i].counts = counts;
-      const std::lock_guard lock(progress_mutex);
-      if (progress) progress(++done, count);
-    }
+  const auto ask = [&](std::size_t i) {
+    const std::size_t start = starts[i * starts.size() / count];
+    records[i] = Drive(log, order, maps, right_map, mapping_positions, options).run(start);
+    records[i].counts = counts;
   };
-  std::vector<std::thread> threads;
-  for (std::size_t i = 1; i < options.threads; ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  in_parallel(count, options.threads, ask, progress);
   return records;
 }
 

@@ -14,8 +14,11 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/mapper.hpp>
 
+#include "cli/in_parallel.hpp"
 #include "cli/log_reader.hpp"
 #include "evaluation/metrics/answer_judge.hpp"
+#include "evaluation/metrics/reliability.hpp"
+#include "evaluation/simulation/odometry_fault.hpp"
 
 namespace cornerfix::cli {
 
@@ -30,6 +33,8 @@ struct EvaluationOptions {
   double track_m = 5.0;   ///< Path length followed after the first `localized` answer.
   std::size_t batch = 5;  ///< Scans a question.
   bool use_odometry = true;
+  /// Corrupts the odometry of each robot, by the index of its first scan as seed.
+  std::optional<evaluation::OdometryFaultKind> odometry_fault;
   std::size_t threads = 1;
   bool mirror = false;  ///< Turn the scans over: no place may be found then.
   bool sample = false;  ///< Never accept; record what each search of the whole map knew.
@@ -73,15 +78,16 @@ struct StartRecord {
   std::size_t answers_judged = 0;  ///< `localized` answers with a reference, the first included.
   std::size_t wrong_answers = 0;   ///< Of them.
   std::optional<evaluation::JudgedAnswer> first_wrong;
-  /// Path length from the first wrong answer until it was withdrawn or corrected.
-  std::optional<double> withdrawn_after_m;
-  evaluation::Withdrawal withdrawal = evaluation::Withdrawal::kUndecided;  ///< Of the first wrong.
+  double longest_wrong_m = 0.0;  ///< Longest path length with a wrong pose.
+  evaluation::Withdrawal withdrawal = evaluation::Withdrawal::kUndecided;  ///< If any was wrong.
   std::vector<double>
       nees;  ///< Of the judged answers after the first: 3 on average if covariance is right.
   std::vector<double> searching_ms;   ///< Processor time a scan, until the fix.
   std::vector<double> tracking_ms;    ///< A scan, after it.
   std::vector<double> round_trip_ms;  ///< A scan, by the clock on the wall: what a caller waits.
   std::vector<DecisionSample> samples;
+  std::vector<evaluation::Forecast> searches;   ///< Best pose of each search of the whole map.
+  std::vector<evaluation::Forecast> localized;  ///< Judged `localized` answers.
 };
 
 struct Evaluation {
@@ -93,9 +99,6 @@ struct Evaluation {
   double wall_s = 0.0;                    ///< Of all starts.
   std::vector<StartRecord> records;
 };
-
-/// Called with what is done and with all, from any thread, one at a time; may be empty.
-using ShareDone = std::function<void(std::size_t, std::size_t)>;
 
 /// The map of the posed scans before `end`, as a server would make it; no records yet.
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::size_t end,

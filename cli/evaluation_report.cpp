@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <ostream>
 
 #include "cli/degrees.hpp"
 #include "evaluation/metrics/confidence_interval.hpp"
+#include "evaluation/metrics/percentile.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
+
+using evaluation::mean;
+using evaluation::percentile;
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {
@@ -41,20 +44,6 @@ nlohmann::ordered_json pose_array(const Pose2& pose) { return {pose.x, pose.y, p
 template <typename Value>
 nlohmann::ordered_json or_null(const std::optional<Value>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
-}
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  return values[std::min(values.size() - 1, index)];
-}
-
-double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN()
-                        : sum / static_cast<double>(values.size());
 }
 
 double rounded(double value) { return std::round(1e4 * value) / 1e4; }
@@ -131,9 +120,13 @@ struct AllAnswers {
   std::size_t withdrawn_in_time = 0;
   std::size_t withdrawn_late = 0;
   std::size_t undecided = 0;
-  std::vector<double> withdrawn_after_m;
+  std::vector<double> longest_wrong_m;
+  std::vector<evaluation::Forecast> searches;
+  std::vector<evaluation::Forecast> localized;
 
   void add(const StartRecord& record) {
+    searches.insert(searches.end(), record.searches.begin(), record.searches.end());
+    localized.insert(localized.end(), record.localized.begin(), record.localized.end());
     judged += record.answers_judged;
     wrong += record.wrong_answers;
     if (!record.first_wrong) return;
@@ -142,7 +135,7 @@ struct AllAnswers {
     withdrawn_in_time += record.withdrawal == evaluation::Withdrawal::kInTime ? 1 : 0;
     withdrawn_late += record.withdrawal == evaluation::Withdrawal::kLate ? 1 : 0;
     undecided += record.withdrawal == evaluation::Withdrawal::kUndecided ? 1 : 0;
-    if (record.withdrawn_after_m) withdrawn_after_m.push_back(*record.withdrawn_after_m);
+    longest_wrong_m.push_back(record.longest_wrong_m);
   }
 };
 
@@ -197,6 +190,16 @@ Tally tally_of(const std::vector<StartRecord>& records, double near_m) {
   return tally;
 }
 
+nlohmann::ordered_json reliability_json(const std::vector<evaluation::Forecast>& forecasts) {
+  const auto bins = evaluation::reliability_of(forecasts);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const evaluation::ReliabilityBin& bin : bins)
+    rows.push_back({bin.from, bin.to, bin.forecasts, bin.correct, bin.mean_confidence});
+  return {{"forecasts", forecasts.size()},
+          {"ece", evaluation::expected_calibration_error(bins)},
+          {"bins", std::move(rows)}};
+}
+
 void add_starts(nlohmann::ordered_json& summary, const Tally& tally) {
   const MappedStarts& mapped = tally.mapped;
   summary["starts"] = mapped.starts;
@@ -221,7 +224,9 @@ void add_answers(nlohmann::ordered_json& summary, const AllAnswers& answers, std
   summary["wrong_withdrawn"] = {{"within_3m", answers.withdrawn_in_time},
                                 {"later_or_never", answers.withdrawn_late},
                                 {"undecided", answers.undecided},
-                                {"after_m", quantiles(answers.withdrawn_after_m, 0.95, "p95")}};
+                                {"longest_m", quantiles(answers.longest_wrong_m, 0.95, "p95")}};
+  summary["reliability"] = {{"searches", reliability_json(answers.searches)},
+                            {"localized", reliability_json(answers.localized)}};
 }
 
 nlohmann::ordered_json wrong_answer_json(const StartRecord& record) {
@@ -233,7 +238,7 @@ nlohmann::ordered_json wrong_answer_json(const StartRecord& record) {
           {"pose", pose_array(wrong.pose)},
           {"truth", pose_array(wrong.reference)},
           {"withdrawal", to_string(record.withdrawal)},
-          {"withdrawn_after_m", or_null(record.withdrawn_after_m)}};
+          {"longest_wrong_m", record.longest_wrong_m}};
 }
 
 }  // namespace
@@ -299,7 +304,7 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
 void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
   csv << "start,near_m,verdict,way_m,seconds,driven_m,confidence,error_m,error_rad,x,y,yaw,true_x,"
          "true_y,true_yaw,scans,right_after,wrong_after,"
-         "reason,answers_judged,wrong_answers,withdrawn_after_m\n";
+         "reason,answers_judged,wrong_answers,longest_wrong_m\n";
   for (const StartRecord& record : records) {
     csv << record.start << ',' << record.near_m << ',' << to_string(record.verdict) << ',';
     if (record.way_m) csv << *record.way_m;
@@ -311,9 +316,8 @@ void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
       csv << ',' << pose.x << ',' << pose.y << ',' << pose.yaw;
     csv << ',' << record.scans << ',' << record.right_after << ',' << record.wrong_after << ','
         << (record.verdict == Verdict::kNone ? to_string(record.reason) : "") << ','
-        << record.answers_judged << ',' << record.wrong_answers << ',';
-    if (record.withdrawn_after_m) csv << *record.withdrawn_after_m;
-    csv << '\n';
+        << record.answers_judged << ',' << record.wrong_answers << ',' << record.longest_wrong_m
+        << '\n';
   }
 }
 

@@ -1,6 +1,7 @@
 #include "evaluation/metrics/answer_judge.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 namespace cornerfix::evaluation {
 
@@ -17,10 +18,11 @@ double nees_of(const LocalizedPose& pose, const Pose2& reference) {
 }  // namespace
 
 void AnswerJudge::take(const Answer& answer, const Pose2& reference, bool exact, double driven_m) {
-  driven_m_ = driven_m;
+  note_driven(driven_m);
   if (answer.status != Status::kLocalized) {
     judge_pending();
-    if (localized_) note_withdrawal(driven_m);
+    note_driven(driven_m);
+    wrong_since_m_.reset();
     localized_ = false;
     return;
   }
@@ -36,10 +38,8 @@ void AnswerJudge::take(const Answer& answer, const Pose2& reference, bool exact,
 void AnswerJudge::finish() { judge_pending(); }
 
 Withdrawal AnswerJudge::withdrawal() const {
-  const double since_m =
-      withdrawn_after_m_.value_or(first_wrong_ ? driven_m_ - first_wrong_->driven_m : 0.0);
-  if (since_m > kWithdrawalDistance) return Withdrawal::kLate;
-  return withdrawn_after_m_ ? Withdrawal::kInTime : Withdrawal::kUndecided;
+  if (longest_wrong_m_ > kWithdrawalDistance) return Withdrawal::kLate;
+  return is_wrong_now() ? Withdrawal::kUndecided : Withdrawal::kInTime;
 }
 
 void AnswerJudge::judge(const Pending& answer, double max_angle) {
@@ -54,16 +54,18 @@ void AnswerJudge::judge(const Pending& answer, double max_angle) {
                             .nees = nees_of(answer.pose, answer.reference),
                             .driven_m = answer.driven_m};
   ++judged_;
+  forecasts_.push_back({judged.confidence, judged.correct});
   if (first_) {
     nees_after_first_.push_back(judged.nees);
   } else {
     first_ = judged;
   }
   if (judged.correct) {
-    note_withdrawal(judged.driven_m);
+    wrong_since_m_.reset();
   } else {
     ++wrong_;
     if (!first_wrong_) first_wrong_ = judged;
+    if (!wrong_since_m_) wrong_since_m_ = judged.driven_m;
   }
 }
 
@@ -73,8 +75,8 @@ void AnswerJudge::judge_pending() {
   pending_.reset();
 }
 
-void AnswerJudge::note_withdrawal(double driven_m) {
-  if (first_wrong_ && !withdrawn_after_m_) withdrawn_after_m_ = driven_m - first_wrong_->driven_m;
+void AnswerJudge::note_driven(double driven_m) {
+  if (wrong_since_m_) longest_wrong_m_ = std::max(longest_wrong_m_, driven_m - *wrong_since_m_);
 }
 
 }  // namespace cornerfix::evaluation

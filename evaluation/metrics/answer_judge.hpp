@@ -8,6 +8,7 @@
 #include <cornerfix/localizer.hpp>
 
 #include "evaluation/metrics/pose_error.hpp"
+#include "evaluation/metrics/reliability.hpp"
 
 namespace cornerfix::evaluation {
 
@@ -25,11 +26,11 @@ struct JudgedAnswer {
   double driven_m = 0.0;  ///< Path length from the start of the robot.
 };
 
-/// What happened to the first wrong answer of a robot.
+/// What happened to the wrong poses of a robot.
 enum class Withdrawal {
-  kInTime,     ///< Withdrawn or corrected within kWithdrawalDistance.
+  kInTime,     ///< Each was withdrawn or corrected within kWithdrawalDistance.
   kLate,       ///< The robot drove farther than that with a wrong pose.
-  kUndecided,  ///< The run ended before.
+  kUndecided,  ///< The run ended before the last one was withdrawn or late.
 };
 
 /// Judges the answers of one robot in the order in which they were given. A wrong answer counts at
@@ -62,11 +63,13 @@ class AnswerJudge {
   [[nodiscard]] std::size_t wrong() const { return wrong_; }
   /// Of the judged answers after the first.
   [[nodiscard]] const std::vector<double>& nees_after_first() const { return nees_after_first_; }
-  /// Path length from the first wrong answer to the first later one that is correct or no longer
-  /// `localized`; nothing while the wrong pose stands.
-  [[nodiscard]] const std::optional<double>& withdrawn_after_m() const {
-    return withdrawn_after_m_;
-  }
+  /// Confidence of every judged answer.
+  [[nodiscard]] const std::vector<Forecast>& forecasts() const { return forecasts_; }
+  /// Longest path length from a wrong answer to the first later one that is correct or no longer
+  /// `localized`, or to the last answer if there is none.
+  [[nodiscard]] double longest_wrong_m() const { return longest_wrong_m_; }
+  /// Whether the last judged answer was wrong and still stands.
+  [[nodiscard]] bool is_wrong_now() const { return wrong_since_m_.has_value(); }
   /// Meaningful when there is a wrong answer.
   [[nodiscard]] Withdrawal withdrawal() const;
 
@@ -80,19 +83,20 @@ class AnswerJudge {
 
   void judge(const Pending& answer, double max_angle);
   void judge_pending();
-  void note_withdrawal(double driven_m);
+  void note_driven(double driven_m);
 
   LocalizationMapPtr right_map_;
   bool localized_ = false;          ///< At the last answer.
   std::optional<Pending> pending_;  ///< Since the robot became localized, until it is judged.
-  double driven_m_ = 0.0;
   std::optional<double> localized_at_m_;
   std::optional<JudgedAnswer> first_;
   std::optional<JudgedAnswer> first_wrong_;
-  std::optional<double> withdrawn_after_m_;
+  std::optional<double> wrong_since_m_;  ///< While a wrong pose stands.
+  double longest_wrong_m_ = 0.0;
   std::size_t judged_ = 0;
   std::size_t wrong_ = 0;
   std::vector<double> nees_after_first_;
+  std::vector<Forecast> forecasts_;
 };
 
 }  // namespace cornerfix::evaluation

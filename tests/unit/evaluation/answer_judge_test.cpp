@@ -90,17 +90,18 @@ TEST(AnswerJudge, MeasuresTheDrivingUntilAWrongPoseIsWithdrawn) {
   EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kUndecided);
   robot.localized(2.0, 2.0);
   robot.silent(3.5);
-  EXPECT_THAT(robot.judge.withdrawn_after_m(), Optional(DoubleEq(2.5)));
+  EXPECT_EQ(robot.judge.longest_wrong_m(), 2.5);
   EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kInTime);
   robot.localized(9.0, 0.0);
-  EXPECT_THAT(robot.judge.withdrawn_after_m(), Optional(DoubleEq(2.5)));
+  EXPECT_EQ(robot.judge.longest_wrong_m(), 2.5);
 }
 
 TEST(AnswerJudge, TakesACorrectedPoseForAWithdrawnOne) {
   Robot robot(empty_map());
   robot.localized(1.0, 2.0);
   robot.localized(3.0, 0.1);
-  EXPECT_THAT(robot.judge.withdrawn_after_m(), Optional(DoubleEq(2.0)));
+  EXPECT_EQ(robot.judge.longest_wrong_m(), 2.0);
+  EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kInTime);
 }
 
 TEST(AnswerJudge, FindsAPoseThatIsKeptForMoreThanThreeMetresLate) {
@@ -110,10 +111,21 @@ TEST(AnswerJudge, FindsAPoseThatIsKeptForMoreThanThreeMetresLate) {
   EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kUndecided);
   robot.localized(4.1, 2.0);
   EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kLate);
-  EXPECT_EQ(robot.judge.withdrawn_after_m(), std::nullopt);
   robot.silent(5.0);
   EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kLate);
-  EXPECT_THAT(robot.judge.withdrawn_after_m(), Optional(DoubleEq(4.0)));
+  EXPECT_EQ(robot.judge.longest_wrong_m(), 4.0);
+}
+
+TEST(AnswerJudge, FindsAnyWrongPoseLateNotOnlyTheFirst) {
+  Robot robot(empty_map());
+  robot.localized(1.0, 2.0);
+  robot.localized(1.5, 0.0);
+  robot.localized(2.0, 2.0);
+  EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kUndecided);
+  robot.localized(6.0, 2.0);
+  EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kLate);
+  EXPECT_EQ(robot.judge.longest_wrong_m(), 4.0);
+  EXPECT_EQ(robot.judge.first_wrong()->driven_m, 1.0);
 }
 
 TEST(AnswerJudge, JudgesAtTheNextKeyframeInALogThatHasThem) {
