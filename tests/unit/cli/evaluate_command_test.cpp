@@ -223,6 +223,8 @@ TEST_F(EvaluateCommand, EndsArgumentsOutOfRangeWithTwo) {
       {"--threads", "0"},
       {"--threads", "-1"},
       {"--method", "guess"},
+      {"--odom-fault", "none"},
+      {"--single-scan", "--report"},
       {"--any-map", "/no/such/log"},
       {"--slam", "--split", "blocks:5"},
       {"--slam", "--map-grid", CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml"}};
@@ -246,6 +248,64 @@ TEST_F(EvaluateCommand, SaysWhatALogLacks) {
   outcome = run({"evaluate", path("map.jsonl"), "--split", "1"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("holds no scan with a pose in the part that asks"));
+}
+
+TEST_F(EvaluateCommand, CorruptsTheOdometryThatRobotsReport) {
+  const auto figures_with = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {
+        "evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--starts", "2", "--way",
+        "4",        "--track",         "3",         "--threads",       "1"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  for (const char* fault : {"zero", "hang", "two_publishers", "wrong_heading", "jump"}) {
+    const auto figures = figures_with({"--odom-fault", fault});
+    EXPECT_EQ(figures["starts"], 2) << fault;
+  }
+  // The same robots as with true odometry until something is reported wrongly: they differ.
+  EXPECT_NE(figures_with({"--odom-fault", "zero"})["error_m"], figures_with({})["error_m"]);
+  EXPECT_EQ(run({"evaluate", path("ask.jsonl"), "--odom-fault", "zero", "--no-odom"}).exit_code, 2);
+}
+
+TEST_F(EvaluateCommand, ForcesAnAnswerToASingleScan) {
+  const Outcome outcome =
+      run({"evaluate", path("ask.jsonl"), "--map-grid",
+           CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml", "--single-scan", "--starts",
+           "5", "--threads", "1", "--out", path("single.json")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  const auto& mapped = summary["mapped"];
+  EXPECT_EQ(mapped["scans"], 5);
+  EXPECT_EQ(summary["outside"]["scans"], 0);
+  EXPECT_EQ(mapped["top1_right"].get<int>() + mapped["top1_wrong"].get<int>() +
+                mapped["top1_none"].get<int>(),
+            5);
+  EXPECT_LE(mapped["accepted_right"], mapped["top1_right"]);
+  EXPECT_GT(mapped["top1_right"], 0);
+  EXPECT_LE(mapped["top1_right_interval"][0], mapped["top1_right_interval"][1]);
+  EXPECT_LT(summary["error_m"]["max"].get<double>(), 0.5);
+  std::ifstream file(path("single.json"));
+  EXPECT_EQ(nlohmann::json::parse(file)["starts"].size(), 5U);
+}
+
+TEST_F(EvaluateCommand, AcceptsNoSingleScanOfAnotherBuilding) {
+  const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--elsewhere", path("map.jsonl"),
+                               "--single-scan", "--starts", "2", "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["outside"]["scans"], 2);
+  EXPECT_EQ(summary["outside"]["top1_right"], 0);
+}
+
+TEST_F(EvaluateCommand, LooksInFurtherOccupancyMapsAsWell) {
+  const Outcome outcome =
+      run({"evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--any-map",
+           CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml", "--starts", "1", "--way", "1",
+           "--track", "0"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["starts"], 1);
 }
 
 TEST_F(EvaluateCommand, WarnsWhenNoStartHasEnoughLogAhead) {
