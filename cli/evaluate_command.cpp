@@ -5,12 +5,15 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "cli/command.hpp"
 #include "cli/evaluation.hpp"
 #include "cli/evaluation_report.hpp"
+#include "cli/explain.hpp"
 #include "cli/log_split.hpp"
 #include "cli/progress.hpp"
 #include "cli/report_score.hpp"
@@ -42,6 +45,7 @@ struct EvaluateArguments {
   bool slam = false;
   bool report = false;
   bool single_scan = false;
+  std::optional<std::size_t> explained_start;
   std::string odometry_fault;
   EvaluationOptions options;
 
@@ -283,6 +287,40 @@ int run_single_scans(const EvaluateArguments& arguments, const Task& task) {
   return written ? kDone : fail(written.error());
 }
 
+/// DIR/start_N.json and DIR/start_N.png.
+Result<void> write_explanation(const std::filesystem::path& directory,
+                               const Explanation& explanation, const LocalizationMap* right_map) {
+  std::error_code failure;
+  std::filesystem::create_directories(directory, failure);
+  const std::string stem =
+      (directory / ("start_" + std::to_string(explanation.record.start))).string();
+  const nlohmann::ordered_json json = explanation_json(explanation, right_map);
+  const Result<void> written = write_file(
+      stem + ".json", std::ios::out, [&](std::ostream& file) { file << json.dump(1) << '\n'; });
+  if (!written || !explanation.decision) return written;
+  const std::string png = draw_decision(*explanation.decision, right_map).encode();
+  return write_file(stem + ".png", std::ios::out | std::ios::binary,
+                    [&](std::ostream& file) { file << png; });
+}
+
+int run_explain(const EvaluateArguments& arguments, const Task& task) {
+  const std::size_t start = *arguments.explained_start;
+  if (std::ranges::find(task.asking, start) == task.asking.end()) {
+    return fail({ErrorCode::kInvalidArgument,
+                 "scan " + std::to_string(start) + " has no pose or does not ask", arguments.log});
+  }
+  const Reference reference = reference_of(arguments, task);
+  const Explanation explanation =
+      explain(task.log, task.asking, start, task.maps, reference.right_map,
+              reference.mapping_positions, arguments.options);
+  const LocalizationMap* right_map =
+      reference.right_map == kNoMap ? nullptr : task.maps[reference.right_map].get();
+  const Result<void> written = write_explanation(arguments.out, explanation, right_map);
+  if (!written) return fail(written.error());
+  std::printf("%s\n", explanation_json(explanation, right_map).dump(1).c_str());
+  return kDone;
+}
+
 Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ordered_json& summary,
                          const Task& task) {
   const std::vector<StartRecord>& records = task.evaluation.records;
@@ -320,6 +358,7 @@ int run_evaluate(EvaluateArguments& arguments) {
   Result<Task> task = prepare(arguments, *split);
   if (!task) return fail(task.error());
   if (arguments.single_scan) return run_single_scans(arguments, *task);
+  if (arguments.explained_start) return run_explain(arguments, *task);
   run_starts(arguments, *task);
   nlohmann::ordered_json summary =
       summary_json(task->log.header.name, task->evaluation, arguments.options);
@@ -409,18 +448,28 @@ void add_output_options(CLI::App& command, EvaluateArguments& arguments) {
       command.add_flag("--report", arguments.report,
                        "Make the map's localizability report and tell how well it predicts the way "
                        "to the fix (rank correlations)");
-  command.add_option("--out", arguments.out, "Write the figures and every start's record (JSON)");
+  CLI::Option* out = command.add_option("--out", arguments.out,
+                                        "Write the figures and every start's record (JSON)");
   CLI::Option* csv = command.add_option("--csv", arguments.csv, "Write a row a start here");
   CLI::Option* samples = command.add_option(
       "--samples", arguments.samples,
       "Never accept; append what each search of the map knew here, for calibration");
+  command
+      .add_option("--explain", arguments.explained_start,
+                  "Index of a start: write what the decision saw of the best pose and its rival to "
+                  "the folder --out, as JSON and as a picture")
+      ->needs(out)
+      ->excludes(report)
+      ->excludes(csv)
+      ->excludes(samples);
   command
       .add_flag("--single-scan", arguments.single_scan,
                 "One scan per robot, the best pose counts: correct within 0.5 m")
       ->excludes(report)
       ->excludes(csv)
       ->excludes(samples)
-      ->excludes("--odom-fault");
+      ->excludes("--odom-fault")
+      ->excludes("--explain");
 }
 
 }  // namespace

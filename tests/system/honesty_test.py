@@ -19,6 +19,7 @@ def result(starts, wrong, bins):
     records = [{"start": i, "counts": True} for i in range(starts)]
     for record in records[:wrong]:
         record["first_wrong"] = first_wrong
+        record["result"] = "false" if record["start"] == 0 else "fixed"
     table = {"bins": bins}
     summary = {"starts": starts, "outside": 0, "fixed": starts - wrong,
                "answers_judged": 10 * starts, "wrong_answers": 3 * wrong,
@@ -44,11 +45,11 @@ class UpperBound(unittest.TestCase):
 
 
 class Folding(unittest.TestCase):
-    def fold(self, results):
+    def fold(self, results, *options):
         with tempfile.TemporaryDirectory() as directory:
             for name, content in results.items():
                 pathlib.Path(directory, name + ".json").write_text(json.dumps(content))
-            sys.argv = ["honesty.py", directory]
+            sys.argv = ["honesty.py", *options, directory]
             out = io.StringIO()
             with contextlib.redirect_stdout(out):
                 honesty.main()
@@ -63,6 +64,10 @@ class Folding(unittest.TestCase):
         self.assertIn("| **all** | 200 | 200 | 198 | 99.0 % | 2 |", text)
         self.assertIn("| 0.5 to 1 | 30 | 0.9000 | 0.8000 |", text)
         self.assertIn("| a | one-0.5 | 0 | 3.0 | 20.00 | 1.0 | 0.9970 | 90 | 7.2 |", text)
+
+    def test_lists_the_starts_whose_first_answer_was_wrong(self):
+        text = self.fold({"a.one": result(40, 2, []), "b.one": result(9, 0, [])}, "--first-wrong")
+        self.assertEqual(text, "a one 0\n")
 
     def test_computes_the_calibration_error_over_all_forecasts(self):
         bins = [[0.0, 0.5, 10, 10, 0.4], [0.5, 1.0, 30, 27, 0.9]]

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -297,6 +298,45 @@ TEST_F(EvaluateCommand, AcceptsNoSingleScanOfAnotherBuilding) {
   const auto summary = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(summary["outside"]["scans"], 2);
   EXPECT_EQ(summary["outside"]["top1_right"], 0);
+}
+
+TEST_F(EvaluateCommand, ExplainsWhatTheDecisionSaw) {
+  const std::vector<std::string> arguments = {
+      "evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--way", "8", "--explain"};
+  std::vector<std::string> first = arguments;
+  first.insert(first.end(), {"0", "--out", path("explained")});
+  const Outcome outcome = run(first);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto explanation = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(explanation["start"], 0);
+  const auto& decision = explanation["decision"];
+  ASSERT_TRUE(decision.is_object());
+  EXPECT_EQ(decision["status"], "localized");
+  ASSERT_FALSE(decision["poses"].empty());
+  const auto& best = decision["poses"][0];
+  EXPECT_TRUE(best["correct"]);
+  int hits = 0;
+  double llr = 0.0;
+  for (const auto& hit_class : best["hits_by_class"]) hits += hit_class["count"].get<int>();
+  for (const char* kind : {"hits_by_class", "misses_by_class"}) {
+    for (const auto& one : best[kind]) llr += one["decision_llr"].get<double>();
+  }
+  EXPECT_EQ(hits, best["hits"]);
+  EXPECT_NEAR(llr, best["decision_llr"].get<double>(), 0.05 * std::abs(llr));
+
+  std::ifstream json(path("explained/start_0.json"));
+  EXPECT_EQ(nlohmann::json::parse(json), explanation);
+  std::ifstream png(path("explained/start_0.png"), std::ios::binary);
+  std::string signature(4, '\0');
+  png.read(signature.data(), 4);
+  EXPECT_EQ(signature, "\x89PNG");
+
+  std::vector<std::string> unknown = arguments;
+  unknown.insert(unknown.end(), {"99999", "--out", path("explained")});
+  EXPECT_EQ(run(unknown).exit_code, 1);
+  std::vector<std::string> nowhere = arguments;
+  nowhere.emplace_back("0");
+  EXPECT_EQ(run(nowhere).exit_code, 2);
 }
 
 TEST_F(EvaluateCommand, LooksInFurtherOccupancyMapsAsWell) {
