@@ -3,6 +3,7 @@
 wrong starts.
 
   honesty.py DIR_OF_RESULTS >honesty.md
+  honesty.py --first-wrong DIR_OF_RESULTS    only lists the starts whose first answer was wrong
 
 Each result is a file DOMAIN.NAME.json of `cornerfix evaluate --out`. The upper bound is the
 one-sided 95 % bound of Clopper and Pearson for the share of counted starts with a wrong answer.
@@ -152,12 +153,23 @@ def print_wrong(domains):
               f"| {wrong['longest_wrong_m']:.1f} |")
 
 
+def list_first_wrong(domains):
+    for domain, sums in domains.items():
+        for name, start in sums.wrong:
+            if start["result"] == "false":
+                print(domain, name, start["start"])
+
+
 def main():
-    if len(sys.argv) != 2:
+    *options, directory = sys.argv[1:] or [None]
+    if directory is None or options not in ([], ["--first-wrong"]):
         sys.exit(__doc__)
-    domains = read(sys.argv[1])
+    domains = read(directory)
     if not domains:
-        sys.exit(f"{sys.argv[1]}: holds no result")
+        sys.exit(f"{directory}: holds no result")
+    if options:
+        list_first_wrong(domains)
+        return
     total = Domain()
     for domain in domains.values():
         total.merge(domain)

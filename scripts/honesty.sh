@@ -4,8 +4,8 @@
 # odometry, and writes one table per domain.
 #   scripts/honesty.sh [--quick] [--jobs N] [--plans DIR] DIR_OF_LOGS DIR_OF_MAPS [OUT]
 # DIR_OF_LOGS holds *.jsonl.gz with reference poses. DIR_OF_MAPS and --plans hold map_server yamls
-# of occupancy maps and of drawn plans. OUT (default build/honesty) gets results/*.json and
-# honesty.md.
+# of occupancy maps and of drawn plans. OUT (default build/honesty) gets results/*.json,
+# explained/*/* of the starts whose first answer was wrong, and honesty.md.
 # A run that was stopped goes on where it was: parts whose result exists are skipped. Remove OUT to
 # measure another version. --quick asks about 300 starts. docs/evaluation.md describes the figures.
 set -euo pipefail
@@ -217,7 +217,15 @@ ask_one() {  # DOMAIN NAME ARGUMENT...
   finished=$(find "$OUT/results" -name '*.json' | wc -l)
   printf '[%s/%s] %-22s %-36s %s s\n' "$finished" "$PARTS" "$1" "$2" $((SECONDS - begin)) >&2
 }
-export -f make_one ask_one
+
+# shellcheck disable=SC2317  # xargs calls it
+explain_one() {  # DOMAIN NAME START
+  local folder=$OUT/explained/$1.$2 words
+  [[ -e $folder/start_$3.json ]] && return
+  read -ra words < <(grep -F "$1 $2 " "$OUT/asked.txt")
+  nice -n 10 "$CORNERFIX" evaluate "${words[@]:2}" --explain "$3" --out "$folder" >/dev/null 2>&1
+}
+export -f make_one ask_one explain_one
 PARTS=$(wc -l <"$asked")
 export PARTS
 
@@ -228,6 +236,9 @@ each make_one < <(grep '^scene' "$made")
 each make_one < <(grep '^simulate' "$made")
 echo "asking $PARTS parts" >&2
 each ask_one <"$asked"
+/usr/bin/python3 scripts/honesty.py --first-wrong "$out/results" >"$out/wrong.txt"
+echo "explaining $(wc -l <"$out/wrong.txt") starts" >&2
+each explain_one <"$out/wrong.txt"
 /usr/bin/python3 scripts/honesty.py "$out/results" >"$out/honesty.md"
 cat "$out/honesty.md"
 exit "$failed"
