@@ -231,7 +231,7 @@ export PARTS
 
 echo "making $(wc -l <"$made") scenes and runs" >&2
 failed=0
-each() { xargs -P "$jobs" -L 1 bash -c "$1 \"\$@\"" _ || failed=1; }
+each() { xargs -r -P "$jobs" -L 1 bash -c "$1 \"\$@\"" _ || failed=1; }
 each make_one < <(grep '^scene' "$made")
 each make_one < <(grep '^simulate' "$made")
 echo "asking $PARTS parts" >&2
