@@ -66,16 +66,16 @@ ask_logs() {
     log=${all[n]}
     file="$logs/$log.jsonl.gz --batch $(batch_of "$log")"
     for split in $(splits_of "$log"); do
-      asks own-map "$log-$split" "$file" --split "$split" --starts "$(count 150 8)" --track 10
+      asks own-map "$log-$split" "$file" --split "$split" --starts "$(count 300 8)" --track 10
     done
     asks mirrored "$log" "$file" --split "$split" --mirror --starts "$(count 100 4)" --way 10
     for other in "${all[@]}"; do
       [[ $log == "$other" ]] && continue
       $quick && [[ $other != "${all[(n + 1) % ${#all[@]}]}" ]] && continue
       asks elsewhere "$log-in-$other" "$file" --elsewhere "$logs/$other.jsonl.gz" \
-        --starts "$(count 60 6)" --way 10
+        --starts "$(count 80 6)" --way 10
     done
-    ask_with_faults "$log" "$file --split $split" 40
+    ask_with_faults "$log" "$file --split $split" 60
     ask_among_maps "$log" "$file --split $split"
   done
 }
@@ -135,7 +135,7 @@ ask_building() {
 ask_maps() {
   local name
   for name in $map_names; do
-    ask_building "$name" "$maps/$name.yaml" "$maps/$name.yaml" occupancy-map "$(count 50 6)"
+    ask_building "$name" "$maps/$name.yaml" "$maps/$name.yaml" occupancy-map "$(count 80 6)"
   done
   if [[ -f $maps/strands_tsc_y3.yaml && -f $maps/strands_tsc_y4.yaml ]]; then
     ask_building tsc-changed "$maps/strands_tsc_y3.yaml" "$maps/strands_tsc_y4.yaml" \
@@ -143,7 +143,7 @@ ask_maps() {
   fi
   if [[ -f $maps/willow_full_0.05.yaml ]]; then
     local willow=willow_full_0.05
-    ask_with_faults willow "$OUT/runs/$willow-ask1.jsonl.gz --map-grid $maps/$willow.yaml" 60
+    ask_with_faults willow "$OUT/runs/$willow-ask1.jsonl.gz --map-grid $maps/$willow.yaml" 100
   fi
 }
 
@@ -165,8 +165,8 @@ ask_plans() {
 ask_scenes() {
   local kind layout
   for kind in warehouse yard corridors office home hall glass; do
-    local layouts=3
-    [[ $kind == warehouse || $kind == yard ]] && layouts=5
+    local layouts=4
+    [[ $kind == warehouse || $kind == yard ]] && layouts=10
     for layout in $(seq "$(count $layouts 1)"); do
       local scene=$OUT/runs/$kind-$layout
       for change in 1 2; do
