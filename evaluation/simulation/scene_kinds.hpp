@@ -1,4 +1,4 @@
-/// \file  One function per kind of scene; private to the generator.
+/// \file  One function per kind of scene, and what they share; private to the generator.
 #pragma once
 
 #include <cornerfix/occupancy_grid.hpp>
@@ -23,6 +23,11 @@ struct SceneSeeds {
     return {{x, y}, is_straight ? 0.0 : yaw, background};
   }
 };
+
+/// Pillars, cabinets and the like along the two long sides of an area, one per `metres_each`: they
+/// make one stretch of a wall differ from another.
+void draw_landmarks(SceneCanvas& canvas, SeededRandom& layout, const PlanArea& area,
+                    double metres_each);
 
 [[nodiscard]] OccupancyGrid warehouse_scene(SceneSeeds seeds);
 [[nodiscard]] OccupancyGrid yard_scene(SceneSeeds seeds);

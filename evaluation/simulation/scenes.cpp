@@ -29,6 +29,18 @@ const NamedScene& scene_of(SceneKind kind) {
 
 }  // namespace
 
+void draw_landmarks(SceneCanvas& canvas, SeededRandom& layout, const PlanArea& area,
+                    double metres_each) {
+  const int count = static_cast<int>(area.size().x() / metres_each);
+  for (int i = 0; i < count; ++i) {
+    const bool at_low_side = layout.chance(0.5);
+    const Point2 size{layout.uniform(0.2, 1.2), layout.uniform(0.15, 0.4)};
+    const Point2 at{layout.uniform(area.low.x() + 1.0, area.high.x() - 1.0),
+                    at_low_side ? area.low.y() + 0.5 * size.y() : area.high.y() - 0.5 * size.y()};
+    canvas.box({at.x(), at.y(), 0.0}, size);
+  }
+}
+
 std::optional<SceneKind> scene_kind_from_string(std::string_view name) {
   const auto found = std::ranges::find(kScenes, name, &NamedScene::name);
   if (found == kScenes.end()) return std::nullopt;
