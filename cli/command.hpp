@@ -44,6 +44,7 @@ void add_replay_command(CLI::App& app, int& exit_code);
 void add_slam_command(CLI::App& app, int& exit_code);
 void add_serve_command(CLI::App& app, int& exit_code);
 void add_evaluate_command(CLI::App& app, int& exit_code);
+void add_scene_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);
 
 }  // namespace cornerfix::cli

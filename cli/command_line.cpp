@@ -35,6 +35,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_serve_command(app, exit_code);
   add_evaluate_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_scene_command(app, exit_code);
   add_slam_command(app, exit_code);
   add_backup_command(app, exit_code);
   try {

@@ -1,18 +1,23 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "cli/command.hpp"
 #include "cli/evaluation.hpp"
 #include "cli/evaluation_report.hpp"
+#include "cli/explain.hpp"
 #include "cli/log_split.hpp"
 #include "cli/progress.hpp"
 #include "cli/report_score.hpp"
+#include "cli/single_scan.hpp"
 #include "cli/slam_run.hpp"
 #include "cli/trajectory_score.hpp"
 #include "cli/whole_log.hpp"
@@ -27,8 +32,8 @@ struct EvaluateArguments {
   std::string map_log;
   std::string other_map_log;
   std::string map_grid;
-  std::vector<std::string> update_logs;       ///< Of later drives in map_log's building.
-  std::vector<std::string> further_map_logs;  ///< Searched beside the right map.
+  std::vector<std::string> update_logs;   ///< Of later drives in map_log's building.
+  std::vector<std::string> further_maps;  ///< Searched beside the right map.
   std::string split = "0.5";
   std::size_t stride = 1;
   std::string method = std::string(to_string(LocalizerParams{}.method));
@@ -39,6 +44,9 @@ struct EvaluateArguments {
   bool no_odometry = false;
   bool slam = false;
   bool report = false;
+  bool single_scan = false;
+  std::optional<std::size_t> explained_start;
+  std::string odometry_fault;
   EvaluationOptions options;
 
   /// The log that makes the map; empty when a part of the log that asks does.
@@ -124,8 +132,13 @@ Result<Evaluation> map_of_all(const RecordedLog& log, const std::string& path,
   return map_of(log, mapping, arguments);
 }
 
-/// The map of all of a log.
-Result<Evaluation> map_of_file(const std::string& path, const EvaluateArguments& arguments) {
+/// A map to search beside the right one: of all of a log, or of an occupancy map.
+Result<Evaluation> further_map(const std::string& path, const EvaluateArguments& arguments) {
+  if (std::filesystem::path(path).extension() == ".yaml") {
+    RecordedLog nowhere;
+    nowhere.header.name = path;
+    return map_from_floor_map(path, nowhere, arguments.options.mapper);
+  }
   const Result<RecordedLog> log = read_whole_log(path, arguments.lidar, arguments.stride);
   if (!log) return log.error();
   return map_of_all(*log, path, arguments);
@@ -146,10 +159,11 @@ Result<void> write_file(const std::string& path, std::ios::openmode mode, const 
   return {};
 }
 
+template <typename Record, typename RecordJson>
 Result<void> write_out(const std::string& path, const nlohmann::ordered_json& summary,
-                       const std::vector<StartRecord>& records) {
+                       const std::vector<Record>& records, const RecordJson& json_of) {
   nlohmann::ordered_json out{{"summary", summary}, {"starts", nlohmann::ordered_json::array()}};
-  for (const StartRecord& record : records) out["starts"].push_back(record_json(record));
+  for (const Record& record : records) out["starts"].push_back(json_of(record));
   return write_file(path, std::ios::out, [&](std::ostream& file) { file << out << '\n'; });
 }
 
@@ -177,6 +191,7 @@ void parse_words(EvaluateArguments& arguments) {
     throw CLI::ValidationError("--extractor", "unknown extractor " + arguments.extractor);
   options.mapper.extractor = options.localizer.extractor = *extractor;
   options.use_odometry = !arguments.no_odometry;
+  options.odometry_fault = evaluation::odometry_fault_from_string(arguments.odometry_fault);
   options.sample = !arguments.samples.empty();
 }
 
@@ -220,32 +235,97 @@ Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) 
                  arguments.log};
   }
   task.maps.push_back(task.evaluation.map);
-  for (const std::string& path : arguments.further_map_logs) {
-    const Result<Evaluation> further = map_of_file(path, arguments);
+  for (const std::string& path : arguments.further_maps) {
+    const Result<Evaluation> further = further_map(path, arguments);
     if (!further) return further.error();
     task.maps.push_back(further->map);
   }
   return task;
 }
 
+/// Where and against what a task is asked.
+struct Reference {
+  std::size_t right_map = 0;
+  std::vector<Point2> mapping_positions;
+};
+
+/// In a building of its own no pose is near a mapped one and every answer is wrong.
+Reference reference_of(const EvaluateArguments& arguments, const Task& task) {
+  if (!arguments.other_map_log.empty()) return {kNoMap, {}};
+  return {0, task.evaluation.mapping_positions};
+}
+
 void run_starts(const EvaluateArguments& arguments, Task& task) {
-  // In a building of its own no place is near a mapped one and every fix is a false one.
-  const bool elsewhere = !arguments.other_map_log.empty();
+  const Reference reference = reference_of(arguments, task);
   Progress progress("starts");
   const auto begin = std::chrono::steady_clock::now();
   task.evaluation.records =
-      evaluate(task.log, task.asking, task.maps, elsewhere ? kNoMap : 0,
-               elsewhere ? std::vector<Point2>{} : task.evaluation.mapping_positions,
+      evaluate(task.log, task.asking, task.maps, reference.right_map, reference.mapping_positions,
                arguments.options, show_on(progress));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   task.evaluation.wall_s = wall.count();
+  if (std::ranges::none_of(task.evaluation.records, &StartRecord::counts)) {
+    warn(arguments.log,
+         "no start counts: none has the driving of --way or the time of --time ahead");
+  }
+}
+
+int run_single_scans(const EvaluateArguments& arguments, const Task& task) {
+  const Reference reference = reference_of(arguments, task);
+  std::vector<SingleScanRecord> records;
+  {
+    Progress progress("scans");
+    records =
+        evaluate_single_scans(task.log, task.asking, task.maps, reference.right_map,
+                              reference.mapping_positions, arguments.options, show_on(progress));
+  }
+  const nlohmann::ordered_json summary =
+      single_scan_summary_json(task.log.header.name, records, arguments.options.near_m);
+  std::printf("%s\n", summary.dump(1).c_str());
+  if (arguments.out.empty()) return kDone;
+  const Result<void> written = write_out(arguments.out, summary, records, single_scan_record_json);
+  return written ? kDone : fail(written.error());
+}
+
+/// DIR/start_N.json and DIR/start_N.png.
+Result<void> write_explanation(const std::filesystem::path& directory,
+                               const Explanation& explanation, const LocalizationMap* right_map) {
+  std::error_code failure;
+  std::filesystem::create_directories(directory, failure);
+  const std::string stem =
+      (directory / ("start_" + std::to_string(explanation.record.start))).string();
+  const nlohmann::ordered_json json = explanation_json(explanation, right_map);
+  const Result<void> written = write_file(
+      stem + ".json", std::ios::out, [&](std::ostream& file) { file << json.dump(1) << '\n'; });
+  if (!written || !explanation.decision) return written;
+  const std::string png = draw_decision(*explanation.decision, right_map).encode();
+  return write_file(stem + ".png", std::ios::out | std::ios::binary,
+                    [&](std::ostream& file) { file << png; });
+}
+
+int run_explain(const EvaluateArguments& arguments, const Task& task) {
+  const std::size_t start = *arguments.explained_start;
+  if (std::ranges::find(task.asking, start) == task.asking.end()) {
+    return fail({ErrorCode::kInvalidArgument,
+                 "scan " + std::to_string(start) + " has no pose or does not ask", arguments.log});
+  }
+  const Reference reference = reference_of(arguments, task);
+  const Explanation explanation =
+      explain(task.log, task.asking, start, task.maps, reference.right_map,
+              reference.mapping_positions, arguments.options);
+  const LocalizationMap* right_map =
+      reference.right_map == kNoMap ? nullptr : task.maps[reference.right_map].get();
+  const Result<void> written = write_explanation(arguments.out, explanation, right_map);
+  if (!written) return fail(written.error());
+  std::printf("%s\n", explanation_json(explanation, right_map).dump(1).c_str());
+  return kDone;
 }
 
 Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ordered_json& summary,
                          const Task& task) {
   const std::vector<StartRecord>& records = task.evaluation.records;
   Result<void> written;
-  if (!arguments.out.empty()) written = write_out(arguments.out, summary, records);
+  if (!arguments.out.empty()) written = write_out(arguments.out, summary, records, record_json);
   if (written && !arguments.csv.empty()) {
     written = write_file(arguments.csv, std::ios::out,
                          [&](std::ostream& csv) { write_records(csv, records); });
@@ -277,6 +357,8 @@ int run_evaluate(EvaluateArguments& arguments) {
     throw CLI::ValidationError("--slam", "needs a drive without gaps: --split with a share");
   Result<Task> task = prepare(arguments, *split);
   if (!task) return fail(task.error());
+  if (arguments.single_scan) return run_single_scans(arguments, *task);
+  if (arguments.explained_start) return run_explain(arguments, *task);
   run_starts(arguments, *task);
   nlohmann::ordered_json summary =
       summary_json(task->log.header.name, task->evaluation, arguments.options);
@@ -287,12 +369,114 @@ int run_evaluate(EvaluateArguments& arguments) {
   return written ? kDone : fail(written.error());
 }
 
+void add_map_options(CLI::App& command, EvaluateArguments& arguments) {
+  command.add_option(
+      "--split", arguments.split,
+      "Share of LOG that makes the map; or blocks:METRES, of which every other does");
+  CLI::Option* map_log = command
+                             .add_option("--map-log", arguments.map_log,
+                                         "Log that makes the map, in LOG's frame; all of LOG asks")
+                             ->check(CLI::ExistingFile);
+  CLI::Option* update_logs =
+      command
+          .add_option("--update-log", arguments.update_logs,
+                      "Log of a later drive in the building of --map-log, which updates the map")
+          ->check(CLI::ExistingFile)
+          ->allow_extra_args(false)
+          ->needs(map_log);
+  command
+      .add_option("--elsewhere", arguments.other_map_log,
+                  "Log of another building that makes the map: every answer is wrong")
+      ->check(CLI::ExistingFile)
+      ->excludes(map_log);
+  command
+      .add_option("--map-grid", arguments.map_grid,
+                  "ROS floor map (yaml) that is the map, in LOG's frame; all of LOG asks")
+      ->check(CLI::ExistingFile)
+      ->excludes(map_log)
+      ->excludes("--elsewhere");
+  command
+      .add_option("--any-map", arguments.further_maps,
+                  "Logs or occupancy maps (yaml) of other buildings: look in these maps as well")
+      ->check(CLI::ExistingFile);
+  command
+      .add_flag("--slam", arguments.slam,
+                "Make maps without their logs' poses, which only say where a map lies")
+      ->excludes("--map-grid")
+      ->excludes(update_logs);
+}
+
+void add_start_options(CLI::App& command, EvaluationOptions& options) {
+  command.add_option("--starts", options.starts, "Robots switched on along LOG")
+      ->check(above_zero());
+  command
+      .add_option("--near", options.near_m,
+                  "Metres from a mapping pose: a start in the mapped part")
+      ->check(not_below_zero());
+  command
+      .add_option("--way", options.way_m,
+                  "Metres of driving allowed until localized; a start counts if LOG goes on as far")
+      ->check(above_zero());
+  command.add_option("--time", options.time_s, "Seconds of log time allowed until localized")
+      ->check(above_zero());
+  command
+      .add_option("--track", options.track_m,
+                  "Metres to follow after the first localized answer; each answer is judged")
+      ->check(not_below_zero());
+  command.add_option("--batch", options.batch, "Scans a question, 1 to 100")
+      ->check(CLI::Range(1, 100));
+  command.add_option("--threads", options.threads, "Robots at once, 1 to 256")
+      ->check(CLI::Range(1, 256));
+  command.add_flag("--mirror", options.mirror, "Turn the scans over: every answer is wrong");
+}
+
+void add_robot_options(CLI::App& command, EvaluateArguments& arguments) {
+  command.add_option("--method", arguments.method,
+                     "Where hypotheses come from: indexed, rma or nma");
+  command.add_option("--extractor", arguments.extractor, "How corners are found: two_arm or vfp");
+  CLI::Option* no_odometry =
+      command.add_flag("--no-odom", arguments.no_odometry, "Ask without odometry");
+  command
+      .add_option("--odom-fault", arguments.odometry_fault,
+                  "Corrupt the odometry that the robots report")
+      ->check(CLI::IsMember(evaluation::odometry_fault_names()))
+      ->excludes(no_odometry);
+}
+
+void add_output_options(CLI::App& command, EvaluateArguments& arguments) {
+  CLI::Option* report =
+      command.add_flag("--report", arguments.report,
+                       "Make the map's localizability report and tell how well it predicts the way "
+                       "to the fix (rank correlations)");
+  CLI::Option* out = command.add_option("--out", arguments.out,
+                                        "Write the figures and every start's record (JSON)");
+  CLI::Option* csv = command.add_option("--csv", arguments.csv, "Write a row a start here");
+  CLI::Option* samples = command.add_option(
+      "--samples", arguments.samples,
+      "Never accept; append what each search of the map knew here, for calibration");
+  command
+      .add_option("--explain", arguments.explained_start,
+                  "Index of a start: write what the decision saw of the best pose and its rival to "
+                  "the folder --out, as JSON and as a picture")
+      ->needs(out)
+      ->excludes(report)
+      ->excludes(csv)
+      ->excludes(samples);
+  command
+      .add_flag("--single-scan", arguments.single_scan,
+                "One scan per robot, the best pose counts: correct within 0.5 m")
+      ->excludes(report)
+      ->excludes(csv)
+      ->excludes(samples)
+      ->excludes("--odom-fault")
+      ->excludes("--explain");
+}
+
 }  // namespace
 
 void add_evaluate_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<EvaluateArguments>();
-  EvaluationOptions& options = arguments->options;
-  options.threads = std::max(1U, std::thread::hardware_concurrency());
+  arguments->options.threads = std::max(1U, std::thread::hardware_concurrency());
   CLI::App* command = app.add_subcommand(
       "evaluate",
       "Score the localizer on a log with reference poses: one part maps, the rest asks");
@@ -301,70 +485,11 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
       ->required()
       ->check(CLI::ExistingFile);
   add_lidar_option(*command, arguments->lidar);
-  command->add_option(
-      "--split", arguments->split,
-      "Share of LOG that makes the map; or blocks:METRES, of which every other does");
   command->add_option("--stride", arguments->stride, "Use every n-th scan")->check(above_zero());
-  CLI::Option* map_log = command
-                             ->add_option("--map-log", arguments->map_log,
-                                          "Log that makes the map, in LOG's frame; all of LOG asks")
-                             ->check(CLI::ExistingFile);
-  CLI::Option* update_logs =
-      command
-          ->add_option("--update-log", arguments->update_logs,
-                       "Log of a later drive in the building of --map-log, which updates the map")
-          ->check(CLI::ExistingFile)
-          ->allow_extra_args(false)
-          ->needs(map_log);
-  command
-      ->add_option("--elsewhere", arguments->other_map_log,
-                   "Log of another building that makes the map: every fix is a false one")
-      ->check(CLI::ExistingFile)
-      ->excludes(map_log);
-  command
-      ->add_option("--map-grid", arguments->map_grid,
-                   "ROS floor map (yaml) that is the map, in LOG's frame; all of LOG asks")
-      ->check(CLI::ExistingFile)
-      ->excludes(map_log)
-      ->excludes("--elsewhere");
-  command
-      ->add_option("--any-map", arguments->further_map_logs,
-                   "Logs of other buildings: look in their maps as well")
-      ->check(CLI::ExistingFile);
-  command->add_option("--starts", options.starts, "Robots switched on along LOG")
-      ->check(above_zero());
-  command
-      ->add_option("--near", options.near_m,
-                   "Metres from a mapping pose: a start in the mapped part")
-      ->check(not_below_zero());
-  command->add_option("--way", options.way_m, "Metres of driving allowed until the fix")
-      ->check(above_zero());
-  command->add_option("--time", options.time_s, "Seconds of log time allowed until the fix")
-      ->check(above_zero());
-  command->add_option("--track", options.track_m, "Metres to follow after the fix")
-      ->check(not_below_zero());
-  command->add_option("--batch", options.batch, "Scans a question, 1 to 100")
-      ->check(CLI::Range(1, 100));
-  command->add_option("--method", arguments->method,
-                      "Where hypotheses come from: indexed, rma or nma");
-  command->add_option("--extractor", arguments->extractor, "How corners are found: two_arm or vfp");
-  command->add_option("--threads", options.threads, "Robots at once, 1 to 256")
-      ->check(CLI::Range(1, 256));
-  command->add_flag("--no-odom", arguments->no_odometry, "Ask without odometry");
-  command
-      ->add_flag("--slam", arguments->slam,
-                 "Make maps without their logs' poses, which only say where a map lies")
-      ->excludes("--map-grid")
-      ->excludes(update_logs);
-  command->add_flag("--report", arguments->report,
-                    "Make the map's localizability report and tell how well it predicts the way to "
-                    "the fix (rank correlations)");
-  command->add_flag("--mirror", options.mirror, "Turn the scans over: every fix is a false one");
-  command->add_option("--out", arguments->out, "Write the figures and every start's record (JSON)");
-  command->add_option("--csv", arguments->csv, "Write a row a start here");
-  command->add_option(
-      "--samples", arguments->samples,
-      "Never accept; append what each search of the map knew here, for calibration");
+  add_map_options(*command, *arguments);
+  add_start_options(*command, arguments->options);
+  add_robot_options(*command, *arguments);
+  add_output_options(*command, *arguments);
   command->callback([arguments, &exit_code] { exit_code = run_evaluate(*arguments); });
 }
 

@@ -1,61 +1,30 @@
 #include "cli/evaluation.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 #include <memory>
-#include <mutex>
-#include <numbers>
-#include <thread>
+#include <numeric>
 
 #include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/map_image.hpp>
 
 #include "cli/log_split.hpp"
+#include "cli/processor_time.hpp"
 
 namespace cornerfix::cli {
 namespace {
-
-constexpr double kRightDistance = 0.5;  // [m]
-constexpr double kRightAngle = 5.0 * std::numbers::pi / 180.0;
-constexpr double kLooseAngle =
-    15.0 * std::numbers::pi / 180.0;  // between key scans, whose headings are interpolated
-
-double processor_ms(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-/// Processor time of this thread: what a scan costs, whatever else the machine does.
-double thread_ms() { return processor_ms(CLOCK_THREAD_CPUTIME_ID); }
 
 bool has_key_scans(const RecordedLog& log) {
   return std::any_of(log.scans.begin(), log.scans.end(),
                      [](const LogScan& scan) { return scan.is_key_scan; });
 }
 
-struct Error2 {
-  double m = 0.0;
-  double rad = 0.0;
-};
-
-Error2 error_of(const Pose2& pose, const Pose2& truth) {
-  return {distance(pose, truth), angle_between(pose, truth)};
-}
-
-/// Normalised estimation error squared: the error in units of what the answer says of its
-/// certainty.
-double nees_of(const LocalizedPose& pose, const Pose2& truth) {
-  const Eigen::Map<const Eigen::Matrix3d> covariance(pose.covariance.data());
-  const Pose2& at = pose.T_map_base_link;
-  const Eigen::Vector3d error{at.x - truth.x, at.y - truth.y, wrap_angle(at.yaw - truth.yaw)};
-  return error.dot(covariance.ldlt().solve(error));
+/// Whether the scan at position `k` follows the one before it; otherwise another drive begins.
+bool continues_at(std::span<const std::size_t> order, std::size_t k) {
+  return order[k] == order[k - 1] + 1;
 }
 
 /// One robot from its switch-on to its verdict.
@@ -70,39 +39,34 @@ class Drive {
         right_map_(right_map),
         mapping_positions_(mapping_positions),
         options_(options),
-        keyed_(has_key_scans(log)) {}
+        keyed_(has_key_scans(log)),
+        judge_(is_in_a_map() ? maps[right_map] : nullptr) {}
 
   StartRecord run(std::size_t start) {
     record_.start = order_[start];
     record_.near_m = nearest_mapping(scan_at(start));
+    if (options_.odometry_fault) fault_.emplace(*options_.odometry_fault, record_.start);
     robot_ = options_.make_robot ? options_.make_robot(scan_at(start)) : make_localizer();
-    const double begin_stamp = scan_at(start).scan.stamp;
     std::size_t waiting = 0;
     for (std::size_t k = start; k < order_.size(); ++k) {
-      if (k > start && order_[k] != order_[k - 1] + 1) break;  // the rest is not one drive any more
+      if (k > start && !continues_at(order_, k)) break;
       const LogScan& scan = scan_at(k);
       if (k > start) record_.driven_m += distance(*scan.T_map_laser, *scan_at(k - 1).T_map_laser);
       const Answer answer = take(scan);
       const bool key = !keyed_ || scan.is_key_scan;
       if (++waiting < options_.batch && !(keyed_ && key)) continue;
       waiting = 0;
-      if (!judge(answer, scan, key, begin_stamp)) break;
-      const double driven = record_.driven_m;
-      if (fixed_ && !said_ && driven > *record_.way_m + options_.track_m) break;
-      if (!fixed_ && (driven > options_.way_m || scan.scan.stamp - begin_stamp > options_.time_s))
-        break;
+      const double elapsed_s = scan.scan.stamp - scan_at(start).scan.stamp;
+      judge_.take(answer, *scan.T_map_laser, key, record_.driven_m);
+      note_first_localized(answer, elapsed_s);
+      if (is_over(elapsed_s)) break;
     }
-    if (said_) give_verdict(said_->pose, said_->map, said_->truth, kLooseAngle);
+    judge_.finish();
+    note_judged_answers();
     return std::move(record_);
   }
 
  private:
-  struct Said {
-    Pose2 pose;
-    LocalizationMapPtr map;
-    Pose2 truth;
-  };
-
   [[nodiscard]] const LogScan& scan_at(std::size_t k) const { return log_.scans[order_[k]]; }
 
   [[nodiscard]] ScoredRobot make_localizer() const {
@@ -120,12 +84,22 @@ class Drive {
     return nearest;
   }
 
-  void take_sample(const Answer& answer, const LogScan& scan) {
+  [[nodiscard]] std::optional<Pose2> odometry_at(const LogScan& scan) {
+    if (!options_.use_odometry || !scan.T_odom_laser) return std::nullopt;
+    if (!fault_) return scan.T_odom_laser;
+    return fault_->corrupt(scan.scan.stamp, *scan.T_odom_laser);
+  }
+
+  /// What a search of the whole map believed, and whether it was right.
+  void note_search(const Answer& answer, const LogScan& scan) {
     if (!answer.searched || answer.hypotheses.empty()) return;
     const RankedHypothesis& best = answer.hypotheses.front();
-    const Error2 error = error_of(best.T_map_base_link, *scan.T_map_laser);
     const bool right =
-        best.map == maps_[right_map_] && error.m <= kRightDistance && error.rad <= kLooseAngle;
+        is_in_a_map() && best.map == maps_[right_map_] &&
+        evaluation::is_correct(evaluation::pose_error(best.T_map_base_link, *scan.T_map_laser),
+                               evaluation::kCorrectAngleBetweenKeyframes);
+    record_.searches.push_back({answer.confidence, right});
+    if (!options_.sample) return;
     record_.samples.push_back(
         {record_.driven_m, nearest_mapping(scan), right, best.evidence,
          answer.hypotheses.size() > 1 ? answer.hypotheses[1].evidence : EvidenceScore{}});
@@ -134,64 +108,55 @@ class Drive {
   Answer take(const LogScan& scan) {
     RobotScan robot_scan{scan.scan, {}, {}};
     if (options_.mirror) std::reverse(robot_scan.scan.ranges.begin(), robot_scan.scan.ranges.end());
-    if (options_.use_odometry) robot_scan.T_odom_base_link = scan.T_odom_laser;
+    robot_scan.T_odom_base_link = odometry_at(scan);
     const auto asked = std::chrono::steady_clock::now();
     const double begin = thread_ms();
     Answer answer = robot_(robot_scan);
-    (fixed_ ? record_.tracking_ms : record_.searching_ms).push_back(thread_ms() - begin);
+    (record_.way_m ? record_.tracking_ms : record_.searching_ms).push_back(thread_ms() - begin);
     const std::chrono::duration<double, std::milli> waited =
         std::chrono::steady_clock::now() - asked;
     record_.round_trip_ms.push_back(waited.count());
     record_.reason = answer.reason;
     ++record_.scans;
-    if (options_.sample) take_sample(answer, scan);
+    note_search(answer, scan);
     return answer;
   }
 
   /// No map holds the place of a mirrored scan or of a log from elsewhere.
-  [[nodiscard]] bool is_right_map(const LocalizationMapPtr& map) const {
-    return !options_.mirror && right_map_ != kNoMap && map == maps_[right_map_];
+  [[nodiscard]] bool is_in_a_map() const { return !options_.mirror && right_map_ != kNoMap; }
+
+  void note_first_localized(const Answer& answer, double elapsed_s) {
+    if (record_.way_m || !judge_.localized_at_m()) return;
+    record_.way_m = judge_.localized_at_m();
+    record_.seconds = elapsed_s;
+    record_.confidence = answer.confidence;
   }
 
-  /// False when the drive is over.
-  bool judge(const Answer& answer, const LogScan& scan, bool key, double begin_stamp) {
-    if (answer.status != Status::kLocalized) {
-      if (!said_) return true;
-      const Said said = *said_;  // taken back before a key scan came: judged where it was said
-      said_.reset();
-      return give_verdict(said.pose, said.map, said.truth, kLooseAngle);
-    }
-    const LocalizedPose& pose = *answer.pose;
-    if (!fixed_) {
-      fixed_ = true;
-      record_.way_m = record_.driven_m;
-      record_.seconds = scan.scan.stamp - begin_stamp;
-      record_.confidence = answer.confidence;
-      said_ = Said{pose.T_map_base_link, pose.map, *scan.T_map_laser};
-    }
-    if (!key) return true;
-    if (said_) {
-      said_.reset();
-      return give_verdict(pose.T_map_base_link, pose.map, *scan.T_map_laser, kRightAngle);
-    }
-    const Error2 error = error_of(pose.T_map_base_link, *scan.T_map_laser);
-    const bool right =
-        pose.map == maps_[right_map_] && error.m <= kRightDistance && error.rad <= kRightAngle;
-    ++(right ? record_.right_after : record_.wrong_after);
-    record_.nees.push_back(nees_of(pose, *scan.T_map_laser));
-    return true;
+  /// A robot with a wrong pose is followed until it is known whether it withdraws the pose in time.
+  [[nodiscard]] bool is_over(double elapsed_s) const {
+    if (!record_.way_m) return record_.driven_m > options_.way_m || elapsed_s > options_.time_s;
+    const bool is_open =
+        judge_.is_pending() || judge_.withdrawal() == evaluation::Withdrawal::kUndecided;
+    return !is_open && record_.driven_m > *record_.way_m + options_.track_m;
   }
 
-  bool give_verdict(const Pose2& pose, const LocalizationMapPtr& map, const Pose2& truth,
-                    double angle) {
-    const Error2 error = error_of(pose, truth);
-    const bool right = is_right_map(map) && error.m <= kRightDistance && error.rad <= angle;
-    record_.verdict = right ? Verdict::kFixed : Verdict::kFalse;
-    record_.error_m = error.m;
-    record_.error_rad = error.rad;
-    record_.pose = pose;
-    record_.truth = truth;
-    return right;
+  void note_judged_answers() {
+    record_.answers_judged = judge_.judged();
+    record_.wrong_answers = judge_.wrong();
+    record_.first_wrong = judge_.first_wrong();
+    record_.longest_wrong_m = judge_.longest_wrong_m();
+    record_.withdrawal = judge_.withdrawal();
+    record_.nees = judge_.nees_after_first();
+    record_.localized = judge_.forecasts();
+    const auto& first = judge_.first();
+    if (!first) return;
+    record_.verdict = first->correct ? Verdict::kFixed : Verdict::kFalse;
+    record_.error_m = first->error.m;
+    record_.error_rad = first->error.rad;
+    record_.pose = first->pose;
+    record_.truth = first->reference;
+    record_.wrong_after = judge_.wrong() - (first->correct ? 0 : 1);
+    record_.right_after = judge_.judged() - 1 - record_.wrong_after;
   }
 
   const RecordedLog& log_;
@@ -202,9 +167,9 @@ class Drive {
   const EvaluationOptions& options_;
   bool keyed_;
   ScoredRobot robot_;
+  std::optional<evaluation::OdometryFault> fault_;
+  evaluation::AnswerJudge judge_;
   StartRecord record_;
-  bool fixed_ = false;
-  std::optional<Said> said_;  ///< The first `localized` answer until it is judged.
 };
 
 }  // namespace
@@ -219,6 +184,26 @@ std::size_t split_index(const RecordedLog& log, double share) {
     if (log.scans[i].T_map_laser) ++seen;
   }
   return log.scans.size();
+}
+
+std::vector<std::size_t> countable_starts(const RecordedLog& log,
+                                          std::span<const std::size_t> asking, double way_m,
+                                          double time_s) {
+  const auto scan_at = [&](std::size_t k) -> const LogScan& { return log.scans[asking[k]]; };
+  std::vector<double> driven_m(asking.size(), 0.0);
+  for (std::size_t k = 1; k < asking.size(); ++k) {
+    driven_m[k] = driven_m[k - 1] + distance(*scan_at(k).T_map_laser, *scan_at(k - 1).T_map_laser);
+  }
+  std::vector<std::size_t> starts;
+  std::size_t last = asking.size();  // of the drive that k belongs to
+  for (std::size_t k = asking.size(); k-- > 0;) {
+    if (k + 1 == asking.size() || !continues_at(asking, k + 1)) last = k;
+    if (driven_m[last] - driven_m[k] >= way_m ||
+        scan_at(last).scan.stamp - scan_at(k).scan.stamp >= time_s)
+      starts.push_back(k);
+  }
+  std::ranges::reverse(starts);
+  return starts;
 }
 
 Evaluation map_from(const RecordedLog& log, std::size_t end, const MapperParams& params) {
@@ -284,24 +269,20 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::span<const std::s
                                   const std::vector<Point2>& mapping_positions,
                                   const EvaluationOptions& options, const ShareDone& progress) {
   if (order.empty()) return {};
-  const std::size_t usable = order.size() > options.batch ? order.size() - options.batch : 1;
-  const std::size_t count = std::min(options.starts, usable);
+  std::vector<std::size_t> starts = countable_starts(log, order, options.way_m, options.time_s);
+  const bool counts = !starts.empty();
+  if (!counts) {
+    starts.resize(order.size());
+    std::iota(starts.begin(), starts.end(), std::size_t{0});
+  }
+  const std::size_t count = std::min(options.starts, starts.size());
   std::vector<StartRecord> records(count);
-  std::atomic<std::size_t> next{0};
-  std::mutex progress_mutex;
-  std::size_t done = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      const std::size_t start = i * usable / count;
-      records[i] = Drive(log, order, maps, right_map, mapping_positions, options).run(start);
-      const std::lock_guard lock(progress_mutex);
-      if (progress) progress(++done, count);
-    }
+  const auto ask = [&](std::size_t i) {
+    const std::size_t start = starts[i * starts.size() / count];
+    records[i] = Drive(log, order, maps, right_map, mapping_positions, options).run(start);
+    records[i].counts = counts;
   };
-  std::vector<std::thread> threads;
-  for (std::size_t i = 1; i < options.threads; ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  in_parallel(count, options.threads, ask, progress);
   return records;
 }
 

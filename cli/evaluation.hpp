@@ -14,7 +14,11 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/mapper.hpp>
 
+#include "cli/in_parallel.hpp"
 #include "cli/log_reader.hpp"
+#include "evaluation/metrics/answer_judge.hpp"
+#include "evaluation/metrics/reliability.hpp"
+#include "evaluation/simulation/odometry_fault.hpp"
 
 namespace cornerfix::cli {
 
@@ -26,9 +30,11 @@ struct EvaluationOptions {
   double near_m = 1.5;    ///< A start this near to a mapping pose lies in the mapped part.
   double way_m = 20.0;    ///< Driving allowed until the fix.
   double time_s = 180.0;  ///< Log time allowed (the paper's limit).
-  double track_m = 5.0;   ///< Driven on after the fix.
+  double track_m = 5.0;   ///< Path length followed after the first `localized` answer.
   std::size_t batch = 5;  ///< Scans a question.
   bool use_odometry = true;
+  /// Corrupts the odometry of each robot, by the index of its first scan as seed.
+  std::optional<evaluation::OdometryFaultKind> odometry_fault;
   std::size_t threads = 1;
   bool mirror = false;  ///< Turn the scans over: no place may be found then.
   bool sample = false;  ///< Never accept; record what each search of the whole map knew.
@@ -54,6 +60,7 @@ struct DecisionSample {
 /// What happened to one robot.
 struct StartRecord {
   std::size_t start = 0;  ///< Index of the first scan in the log.
+  bool counts = true;     ///< Enough log lay ahead when the robot was switched on.
   double near_m = 0.0;    ///< From the nearest mapping pose.
   Verdict verdict = Verdict::kNone;
   Reason reason = Reason::kNone;  ///< Of the last answer: why there was no fix, if there was none.
@@ -66,14 +73,21 @@ struct StartRecord {
   Pose2 pose;  ///< Of the laser, at the fix, as answered and as it was.
   Pose2 truth;
   std::size_t scans = 0;
-  std::size_t right_after = 0;  ///< Judged answers after the fix.
+  std::size_t right_after = 0;  ///< Judged answers after the first one.
   std::size_t wrong_after = 0;
+  std::size_t answers_judged = 0;  ///< `localized` answers with a reference, the first included.
+  std::size_t wrong_answers = 0;   ///< Of them.
+  std::optional<evaluation::JudgedAnswer> first_wrong;
+  double longest_wrong_m = 0.0;  ///< Longest path length with a wrong pose.
+  evaluation::Withdrawal withdrawal = evaluation::Withdrawal::kUndecided;  ///< If any was wrong.
   std::vector<double>
-      nees;  ///< Of the judged answers after the fix: 3 on average if covariance is right.
+      nees;  ///< Of the judged answers after the first: 3 on average if covariance is right.
   std::vector<double> searching_ms;   ///< Processor time a scan, until the fix.
   std::vector<double> tracking_ms;    ///< A scan, after it.
   std::vector<double> round_trip_ms;  ///< A scan, by the clock on the wall: what a caller waits.
   std::vector<DecisionSample> samples;
+  std::vector<evaluation::Forecast> searches;   ///< Best pose of each search of the whole map.
+  std::vector<evaluation::Forecast> localized;  ///< Judged `localized` answers.
 };
 
 struct Evaluation {
@@ -85,9 +99,6 @@ struct Evaluation {
   double wall_s = 0.0;                    ///< Of all starts.
   std::vector<StartRecord> records;
 };
-
-/// Called with what is done and with all, from any thread, one at a time; may be empty.
-using ShareDone = std::function<void(std::size_t, std::size_t)>;
 
 /// The map of the posed scans before `end`, as a server would make it; no records yet.
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::size_t end,
@@ -105,11 +116,20 @@ using ShareDone = std::function<void(std::size_t, std::size_t)>;
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
 
+/// Positions in `asking` at which a start counts: the log drives on without a gap for `way_m` or
+/// for `time_s`. Known before anything is asked, so that no answer can take a start out of the
+/// count.
+[[nodiscard]] std::vector<std::size_t> countable_starts(const RecordedLog& log,
+                                                        std::span<const std::size_t> asking,
+                                                        double way_m, double time_s);
+
 inline constexpr std::size_t kNoMap =
     static_cast<std::size_t>(-1);  ///< The log lies in none of the maps.
 
 /// Asks `log` from `begin` on in `maps`; a fix in another map than `maps[right_map]` is false,
-/// whatever its pose. \param mapping_positions  Where the right map was made from.
+/// whatever its pose. Starts are spread evenly over the scans that have enough log ahead. If no
+/// scan has, they are spread over all scans and none of the records counts. \param
+/// mapping_positions  Where the right map was made from.
 [[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
                                                 const std::vector<LocalizationMapPtr>& maps,
                                                 std::size_t right_map,

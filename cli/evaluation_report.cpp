@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <ostream>
 
 #include "cli/degrees.hpp"
+#include "evaluation/metrics/confidence_interval.hpp"
+#include "evaluation/metrics/percentile.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
+
+using evaluation::mean;
+using evaluation::percentile;
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {
@@ -23,6 +27,18 @@ const char* to_string(Verdict verdict) {
   return "none";
 }
 
+const char* to_string(evaluation::Withdrawal withdrawal) {
+  switch (withdrawal) {
+    case evaluation::Withdrawal::kInTime:
+      return "in_time";
+    case evaluation::Withdrawal::kLate:
+      return "late";
+    case evaluation::Withdrawal::kUndecided:
+      break;
+  }
+  return "undecided";
+}
+
 nlohmann::ordered_json pose_array(const Pose2& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 template <typename Value>
@@ -30,67 +46,61 @@ nlohmann::ordered_json or_null(const std::optional<Value>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  return values[std::min(values.size() - 1, index)];
+double rounded(double value) { return std::round(1e4 * value) / 1e4; }
+
+double share(std::size_t part, std::size_t all) {
+  return rounded(static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, all)));
 }
 
-double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN()
-                        : sum / static_cast<double>(values.size());
+nlohmann::ordered_json quantiles(const std::vector<double>& values, double high, const char* name) {
+  return {{"p50", percentile(values, 0.5)}, {name, percentile(values, high)}};
 }
 
-}  // namespace
+nlohmann::ordered_json costs(const std::vector<double>& values) {
+  return {{"mean", mean(values)},
+          {"p50", percentile(values, 0.5)},
+          {"p95", percentile(values, 0.95)},
+          {"max", percentile(values, 1.0)}};
+}
 
-nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluation& evaluation,
-                                    const EvaluationOptions& options) {
-  std::size_t inside = 0;
-  std::size_t outside = 0;
-  std::size_t outside_false = 0;
+nlohmann::ordered_json interval(std::size_t hits, std::size_t trials) {
+  const auto bounds = evaluation::clopper_pearson(hits, trials);
+  return {bounds.lower, bounds.upper};
+}
+
+void append(std::vector<double>& all, const std::vector<double>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+/// Of the starts in the mapped part.
+struct MappedStarts {
+  std::size_t starts = 0;
   std::size_t fixed = 0;
   std::size_t wrong = 0;
   std::size_t none = 0;
-  nlohmann::ordered_json none_reasons = nlohmann::ordered_json::object();
   std::size_t within_1m = 0;
   std::size_t within_5m = 0;
-  std::size_t right_after = 0;
-  std::size_t wrong_after = 0;
-  std::vector<double> nees;
-  std::size_t scans = 0;
+  nlohmann::ordered_json none_reasons = nlohmann::ordered_json::object();
   std::vector<double> ways;
   std::vector<double> seconds;
   std::vector<double> errors_m;
   std::vector<double> errors_deg;
-  std::vector<double> searching;
-  std::vector<double> tracking;
-  std::vector<double> round_trips;
-  for (const StartRecord& record : evaluation.records) {
-    scans += record.scans;
-    right_after += record.right_after;
-    wrong_after += record.wrong_after;
-    nees.insert(nees.end(), record.nees.begin(), record.nees.end());
-    searching.insert(searching.end(), record.searching_ms.begin(), record.searching_ms.end());
-    tracking.insert(tracking.end(), record.tracking_ms.begin(), record.tracking_ms.end());
-    round_trips.insert(round_trips.end(), record.round_trip_ms.begin(), record.round_trip_ms.end());
-    if (record.near_m > options.near_m) {
-      ++outside;
-      outside_false += record.verdict == Verdict::kFalse ? 1 : 0;
-      continue;
-    }
-    // A start that ran out of log before the allowed way and got no answer tells nothing.
-    if (record.verdict == Verdict::kNone && record.driven_m < 0.5 * options.way_m) continue;
-    ++inside;
-    wrong += record.verdict == Verdict::kFalse ? 1 : 0;
-    none += record.verdict == Verdict::kNone ? 1 : 0;
-    if (record.verdict == Verdict::kNone) {
-      nlohmann::ordered_json& count = none_reasons[std::string(to_string(record.reason))];
-      count = count.is_null() ? 1 : count.get<int>() + 1;
-    }
-    if (record.verdict != Verdict::kFixed) continue;
+
+  void add(const StartRecord& record) {
+    ++starts;
+    if (record.verdict == Verdict::kFalse) ++wrong;
+    if (record.verdict == Verdict::kNone) add_silent(record.reason);
+    if (record.verdict == Verdict::kFixed) add_fixed(record);
+  }
+
+ private:
+  void add_silent(Reason reason) {
+    ++none;
+    nlohmann::ordered_json& count = none_reasons[std::string(to_string(reason))];
+    count = count.is_null() ? 1 : count.get<int>() + 1;
+  }
+
+  void add_fixed(const StartRecord& record) {
     ++fixed;
     ways.push_back(*record.way_m);
     seconds.push_back(*record.seconds);
@@ -99,54 +109,164 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
     errors_m.push_back(record.error_m);
     errors_deg.push_back(record.error_rad * kDegreesPerRadian);
   }
-  std::vector<double> all_ms = searching;
-  all_ms.insert(all_ms.end(), tracking.begin(), tracking.end());
-  const auto share = [inside](std::size_t part) {
-    return std::round(1e4 * static_cast<double>(part) /
-                      static_cast<double>(std::max<std::size_t>(1, inside))) /
-           1e4;
-  };
-  const auto quantiles = [](const std::vector<double>& values, double high, const char* name) {
-    return nlohmann::ordered_json{{"p50", percentile(values, 0.5)},
-                                  {name, percentile(values, high)}};
-  };
-  const auto costs = [](const std::vector<double>& values) {
-    return nlohmann::ordered_json{{"mean", mean(values)},
-                                  {"p50", percentile(values, 0.5)},
-                                  {"p95", percentile(values, 0.95)},
-                                  {"max", percentile(values, 1.0)}};
-  };
-  const std::size_t after = std::max<std::size_t>(1, right_after + wrong_after);
-  return {
-      {"log", log_name},
-      {"split", evaluation.split},
-      {"map_scans", evaluation.mapping_positions.size()},
-      {"map_seconds", evaluation.map_seconds},
-      {"features", evaluation.map->features().size()},
-      {"starts", inside},
-      {"fixed", fixed},
-      {"false", wrong},
-      {"none", none},
-      {"none_reasons", none_reasons},
-      {"success", share(fixed)},
-      {"success_1m", share(within_1m)},
-      {"success_5m", share(within_5m)},
-      {"outside", outside},
-      {"outside_false", outside_false},
-      {"way_m", quantiles(ways, 0.9, "p90")},
-      {"seconds", quantiles(seconds, 0.9, "p90")},
-      {"error_m", quantiles(errors_m, 0.95, "p95")},
-      {"error_deg", quantiles(errors_deg, 0.95, "p95")},
-      {"tracked_right",
-       std::round(1e4 * static_cast<double>(right_after) / static_cast<double>(after)) / 1e4},
-      {"nees", quantiles(nees, 0.95, "p95")},
-      {"server_ms_per_scan", costs(all_ms)},
-      {"searching_ms_per_scan", costs(searching)},
-      {"tracking_ms_per_scan", costs(tracking)},
-      {"rtt_ms_per_scan", quantiles(round_trips, 0.95, "p95")},
-      {"scans", scans},
-      {"wall_s", std::round(10.0 * evaluation.wall_s) / 10.0},
-  };
+};
+
+/// Of all `localized` answers of all starts that count, in the mapped part or not.
+struct AllAnswers {
+  std::size_t judged = 0;
+  std::size_t wrong = 0;
+  std::size_t starts_with_wrong = 0;
+  std::size_t wrong_later = 0;  ///< Starts of which the first answer was right, a later one not.
+  std::size_t withdrawn_in_time = 0;
+  std::size_t withdrawn_late = 0;
+  std::size_t undecided = 0;
+  std::vector<double> longest_wrong_m;
+  std::vector<evaluation::Forecast> searches;
+  std::vector<evaluation::Forecast> localized;
+
+  void add(const StartRecord& record) {
+    searches.insert(searches.end(), record.searches.begin(), record.searches.end());
+    localized.insert(localized.end(), record.localized.begin(), record.localized.end());
+    judged += record.answers_judged;
+    wrong += record.wrong_answers;
+    if (!record.first_wrong) return;
+    ++starts_with_wrong;
+    wrong_later += record.verdict == Verdict::kFixed ? 1 : 0;
+    withdrawn_in_time += record.withdrawal == evaluation::Withdrawal::kInTime ? 1 : 0;
+    withdrawn_late += record.withdrawal == evaluation::Withdrawal::kLate ? 1 : 0;
+    undecided += record.withdrawal == evaluation::Withdrawal::kUndecided ? 1 : 0;
+    longest_wrong_m.push_back(record.longest_wrong_m);
+  }
+};
+
+/// Of every scan that was asked, whether its start counts or not.
+struct AllScans {
+  std::size_t scans = 0;
+  std::size_t right_after = 0;
+  std::size_t wrong_after = 0;
+  std::vector<double> nees;
+  std::vector<double> searching;
+  std::vector<double> tracking;
+  std::vector<double> round_trips;
+
+  void add(const StartRecord& record) {
+    scans += record.scans;
+    right_after += record.right_after;
+    wrong_after += record.wrong_after;
+    append(nees, record.nees);
+    append(searching, record.searching_ms);
+    append(tracking, record.tracking_ms);
+    append(round_trips, record.round_trip_ms);
+  }
+
+  [[nodiscard]] std::vector<double> ms() const {
+    std::vector<double> all = searching;
+    append(all, tracking);
+    return all;
+  }
+};
+
+struct Tally {
+  MappedStarts mapped;
+  std::size_t outside = 0;
+  std::size_t outside_false = 0;
+  AllAnswers answers;
+  AllScans scans;
+};
+
+Tally tally_of(const std::vector<StartRecord>& records, double near_m) {
+  Tally tally;
+  for (const StartRecord& record : records) {
+    tally.scans.add(record);
+    if (!record.counts) continue;
+    tally.answers.add(record);
+    if (record.near_m <= near_m) {
+      tally.mapped.add(record);
+    } else {
+      ++tally.outside;
+      tally.outside_false += record.verdict == Verdict::kFalse ? 1 : 0;
+    }
+  }
+  return tally;
+}
+
+nlohmann::ordered_json reliability_json(const std::vector<evaluation::Forecast>& forecasts) {
+  const auto bins = evaluation::reliability_of(forecasts);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const evaluation::ReliabilityBin& bin : bins)
+    rows.push_back({bin.from, bin.to, bin.forecasts, bin.correct, bin.mean_confidence});
+  return {{"forecasts", forecasts.size()},
+          {"ece", evaluation::expected_calibration_error(bins)},
+          {"bins", std::move(rows)}};
+}
+
+void add_starts(nlohmann::ordered_json& summary, const Tally& tally) {
+  const MappedStarts& mapped = tally.mapped;
+  summary["starts"] = mapped.starts;
+  summary["fixed"] = mapped.fixed;
+  summary["false"] = mapped.wrong;
+  summary["none"] = mapped.none;
+  summary["none_reasons"] = mapped.none_reasons;
+  summary["success"] = share(mapped.fixed, mapped.starts);
+  summary["success_interval"] = interval(mapped.fixed, mapped.starts);
+  summary["success_1m"] = share(mapped.within_1m, mapped.starts);
+  summary["success_5m"] = share(mapped.within_5m, mapped.starts);
+  summary["outside"] = tally.outside;
+  summary["outside_false"] = tally.outside_false;
+}
+
+void add_answers(nlohmann::ordered_json& summary, const AllAnswers& answers, std::size_t starts) {
+  summary["answers_judged"] = answers.judged;
+  summary["wrong_answers"] = answers.wrong;
+  summary["starts_with_wrong_answer"] = answers.starts_with_wrong;
+  summary["wrong_interval"] = interval(answers.starts_with_wrong, starts);
+  summary["wrong_later"] = answers.wrong_later;
+  summary["wrong_withdrawn"] = {{"within_3m", answers.withdrawn_in_time},
+                                {"later_or_never", answers.withdrawn_late},
+                                {"undecided", answers.undecided},
+                                {"longest_m", quantiles(answers.longest_wrong_m, 0.95, "p95")}};
+  summary["reliability"] = {{"searches", reliability_json(answers.searches)},
+                            {"localized", reliability_json(answers.localized)}};
+}
+
+nlohmann::ordered_json wrong_answer_json(const StartRecord& record) {
+  const evaluation::JudgedAnswer& wrong = *record.first_wrong;
+  return {{"driven", wrong.driven_m},
+          {"err", {wrong.error.m, wrong.error.rad * kDegreesPerRadian}},
+          {"confidence", wrong.confidence},
+          {"nees", wrong.nees},
+          {"pose", pose_array(wrong.pose)},
+          {"truth", pose_array(wrong.reference)},
+          {"withdrawal", to_string(record.withdrawal)},
+          {"longest_wrong_m", record.longest_wrong_m}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluation& evaluation,
+                                    const EvaluationOptions& options) {
+  const Tally tally = tally_of(evaluation.records, options.near_m);
+  const AllScans& scans = tally.scans;
+  nlohmann::ordered_json summary{{"log", log_name},
+                                 {"split", evaluation.split},
+                                 {"map_scans", evaluation.mapping_positions.size()},
+                                 {"map_seconds", evaluation.map_seconds},
+                                 {"features", evaluation.map->features().size()}};
+  add_starts(summary, tally);
+  add_answers(summary, tally.answers, tally.mapped.starts + tally.outside);
+  summary["way_m"] = quantiles(tally.mapped.ways, 0.9, "p90");
+  summary["seconds"] = quantiles(tally.mapped.seconds, 0.9, "p90");
+  summary["error_m"] = quantiles(tally.mapped.errors_m, 0.95, "p95");
+  summary["error_deg"] = quantiles(tally.mapped.errors_deg, 0.95, "p95");
+  summary["tracked_right"] = share(scans.right_after, scans.right_after + scans.wrong_after);
+  summary["nees"] = quantiles(scans.nees, 0.95, "p95");
+  summary["server_ms_per_scan"] = costs(scans.ms());
+  summary["searching_ms_per_scan"] = costs(scans.searching);
+  summary["tracking_ms_per_scan"] = costs(scans.tracking);
+  summary["rtt_ms_per_scan"] = quantiles(scans.round_trips, 0.95, "p95");
+  summary["scans"] = scans.scans;
+  summary["wall_s"] = std::round(10.0 * evaluation.wall_s) / 10.0;
+  return summary;
 }
 
 nlohmann::ordered_json record_json(const StartRecord& record) {
@@ -163,9 +283,13 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
       {"rtt_ms", record.round_trip_ms},
       {"wrong_after", record.wrong_after},
       {"right_after", record.right_after},
+      {"counts", record.counts},
+      {"answers_judged", record.answers_judged},
+      {"wrong_answers", record.wrong_answers},
       {"err", nlohmann::ordered_json::array()},
       {"driven", record.driven_m},
   };
+  if (record.first_wrong) json["first_wrong"] = wrong_answer_json(record);
   if (record.verdict == Verdict::kNone) {
     json["reason"] = to_string(record.reason);
     return json;
@@ -179,7 +303,8 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
 
 void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
   csv << "start,near_m,verdict,way_m,seconds,driven_m,confidence,error_m,error_rad,x,y,yaw,true_x,"
-         "true_y,true_yaw,scans,right_after,wrong_after,reason\n";
+         "true_y,true_yaw,scans,right_after,wrong_after,"
+         "reason,answers_judged,wrong_answers,longest_wrong_m\n";
   for (const StartRecord& record : records) {
     csv << record.start << ',' << record.near_m << ',' << to_string(record.verdict) << ',';
     if (record.way_m) csv << *record.way_m;
@@ -190,7 +315,9 @@ void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
     for (const Pose2& pose : {record.pose, record.truth})
       csv << ',' << pose.x << ',' << pose.y << ',' << pose.yaw;
     csv << ',' << record.scans << ',' << record.right_after << ',' << record.wrong_after << ','
-        << (record.verdict == Verdict::kNone ? to_string(record.reason) : "") << '\n';
+        << (record.verdict == Verdict::kNone ? to_string(record.reason) : "") << ','
+        << record.answers_judged << ',' << record.wrong_answers << ',' << record.longest_wrong_m
+        << '\n';
   }
 }
 

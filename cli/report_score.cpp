@@ -48,12 +48,6 @@ struct Ways {
   [[nodiscard]] double correlation() const { return rank_correlation(told_m, driven_m); }
 };
 
-/// The same rules as in the summary of an evaluation.
-bool tells_something(const StartRecord& record, const EvaluationOptions& options) {
-  const bool ran_out = record.verdict == Verdict::kNone && record.driven_m < 0.5 * options.way_m;
-  return record.near_m <= options.near_m && !ran_out;
-}
-
 Ways means_in_squares(const std::map<std::pair<int, int>, Ways>& squares) {
   Ways means;
   for (const auto& [square, ways] : squares) {
@@ -121,7 +115,7 @@ ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
   Ways same_starts;
   std::map<std::pair<int, int>, Ways> squares;
   for (const StartRecord& record : evaluation.records) {
-    if (!tells_something(record, options)) continue;
+    if (!record.counts || record.near_m > options.near_m) continue;
     const Pose2& T_map_start = *log.scans[record.start].T_map_laser;
     const double driven =
         record.verdict == Verdict::kFixed ? record.way_m.value_or(params.way_m) : params.way_m;

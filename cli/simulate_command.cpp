@@ -9,6 +9,7 @@
 #include "cli/drive_simulator.hpp"
 #include "cli/log_writer.hpp"
 #include "cli/progress.hpp"
+#include "evaluation/simulation/odometry_fault.hpp"
 
 namespace cornerfix::cli {
 
@@ -22,6 +23,7 @@ struct SimulateArguments {
   std::string inside;
   std::string name;
   double field_of_view_deg = 270.0;
+  std::string odometry_fault;
   DriveOptions drive;
 };
 
@@ -38,7 +40,9 @@ std::string source_of(const SimulateArguments& arguments) {
                 static_cast<unsigned long long>(arguments.drive.seed),
                 arguments.drive.range_noise_m, arguments.drive.drift, arguments.drive.people,
                 arguments.drive.boxes);
-  return "simulated drive in " + map.filename().string() + ", " + text;
+  const std::string fault =
+      arguments.odometry_fault.empty() ? "" : ", odometry fault " + arguments.odometry_fault;
+  return "simulated drive in " + map.filename().string() + ", " + text + fault;
 }
 
 Result<void> write_log(const std::filesystem::path& path, const RecordedLog& log) {
@@ -61,6 +65,14 @@ double length_of(const RecordedLog& log) {
   return length;
 }
 
+void corrupt_odometry(RecordedLog& log, const SimulateArguments& arguments) {
+  const auto kind = evaluation::odometry_fault_from_string(arguments.odometry_fault);
+  if (!kind) return;
+  evaluation::OdometryFault fault(*kind, arguments.drive.seed);
+  for (LogScan& scan : log.scans)
+    scan.T_odom_laser = fault.corrupt(scan.scan.stamp, *scan.T_odom_laser);
+}
+
 Result<RecordedLog> simulate(const SimulateArguments& arguments) {
   const Result<OccupancyGrid> map = read_map_files(arguments.map);
   if (!map) return map.error();
@@ -74,6 +86,7 @@ Result<RecordedLog> simulate(const SimulateArguments& arguments) {
   Result<RecordedLog> log = simulate_drive(*map, arguments.drive, inside ? &*inside : nullptr,
                                            [&](double share) { progress.update(share); });
   if (!log) return log;
+  corrupt_odometry(*log, arguments);
   log->header.name = arguments.name.empty() ? plain_stem(arguments.out) : arguments.name;
   log->header.source = source_of(arguments);
   return log;
@@ -116,6 +129,10 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   command->add_option("--range-max", drive.range_max_m, "Longest range in metres");
   command->add_option("--noise", drive.range_noise_m, "Standard deviation of a range in metres");
   command->add_option("--drift", drive.drift, "Odometry error as a share of the way, 0 for none");
+  command
+      ->add_option("--odom-fault", arguments->odometry_fault,
+                   "Corrupt the odometry that is recorded")
+      ->check(CLI::IsMember(evaluation::odometry_fault_names()));
   command->add_option("--people", drive.people, "People who walk about the robot");
   command->add_option("--boxes", drive.boxes, "Boxes along the way that the map does not know");
   command

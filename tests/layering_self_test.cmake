@@ -6,6 +6,7 @@ foreach(line
     "core/include/cornerfix/a.hpp|#include <opencv2/core.hpp>"
     "storage/a.cpp|#include <nlohmann/json.hpp>"
     "api/a.cpp|#include \"storage/database.hpp\""
+    "evaluation/metrics/a.hpp|#include \"cli/log_reader.hpp\""
     "server/a.hpp|#include <httplib.h>"
     "server/a.cpp|#include <sqlite3.h>"
     "web/app.js|fetch('v1/maps')")

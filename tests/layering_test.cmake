@@ -33,19 +33,24 @@ sources(core core)
 sources(storage storage)
 sources(api api)
 sources(server server)
-sources(all core storage api server cli)
+sources(evaluation evaluation)
+sources(all core storage api server evaluation cli)
 
 # web --HTTP--> server --> api -----> core;  cli --> server --> storage --> core
-forbid(FILES ${core} PATTERN "${include}(storage|api|server|cli)/" REASON "core knows no other module")
+# cli, bench, tests --> evaluation --> core
+forbid(FILES ${core} PATTERN "${include}(storage|api|server|evaluation|cli)/" REASON "core knows no other module")
 forbid(FILES ${core} PATTERN "${include}(nlohmann|simdjson|httplib|sqlite3|SQLiteCpp|spdlog|CLI|prometheus)"
   REASON "core knows nothing of HTTP, JSON, SQL, logging and command lines")
 forbid(FILES core/include/*.hpp PATTERN "${include}(opencv2|png|yaml-cpp)"
   REASON "core's headers show Eigen and the standard library only")
-forbid(FILES ${storage} PATTERN "${include}(api|server|cli)/" REASON "storage knows core only")
+forbid(FILES ${storage} PATTERN "${include}(api|server|evaluation|cli)/" REASON "storage knows core only")
 forbid(FILES ${storage} PATTERN "${include}(nlohmann|simdjson|httplib)" REASON "storage knows no JSON and no HTTP")
-forbid(FILES ${api} PATTERN "${include}(storage|server|cli)/" REASON "api knows core only")
+forbid(FILES ${api} PATTERN "${include}(storage|server|evaluation|cli)/" REASON "api knows core only")
 forbid(FILES ${api} PATTERN "${include}(httplib|sqlite3|SQLiteCpp)" REASON "api knows no HTTP library and no SQL")
-forbid(FILES ${server} PATTERN "${include}cli/" REASON "the server does not know its command line")
+forbid(FILES ${server} PATTERN "${include}(evaluation|cli)/" REASON "the server knows neither scores nor its command line")
+forbid(FILES ${evaluation} PATTERN "${include}(storage|api|server|cli)/" REASON "evaluation knows core only")
+forbid(FILES ${evaluation} PATTERN "${include}(nlohmann|simdjson|httplib|sqlite3|SQLiteCpp|spdlog|CLI|prometheus)"
+  REASON "evaluation knows nothing of HTTP, JSON, SQL, logging and command lines")
 forbid(FILES server/localization_service.* PATTERN "${include}(nlohmann|simdjson|httplib|SQLiteCpp)"
   REASON "the use cases know no HTTP, JSON or SQL")
 
@@ -63,7 +68,7 @@ forbid(FILES ${all} EXCEPT "^core/src/pose_graph.cpp$" PATTERN "${include}ceres"
 # The rivals of the benchmarks know core only; what they need of others is behind bench/external.
 sources(rivals bench/rivals)
 sources(bench bench)
-forbid(FILES ${rivals} PATTERN "${include}(storage|api|server|cli|bench/(experiments|external))/"
+forbid(FILES ${rivals} PATTERN "${include}(storage|api|server|evaluation|cli|bench/(experiments|external))/"
   REASON "the rivals know core only")
 forbid(FILES ${bench} EXCEPT "^bench/external/[^/]*\\.cpp$" PATTERN "${include}(opencv2|mrpt)"
   REASON "OpenCV and MRPT are for the sources of bench/external")

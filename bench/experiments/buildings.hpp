@@ -39,9 +39,4 @@ struct Building {
 /// Ends the program when the files cannot be read.
 [[nodiscard]] Building open_building(const BuildingSource& source);
 
-/// A start that ran out of log before the allowed way and got no answer tells nothing.
-[[nodiscard]] inline bool tells_nothing(const cli::StartRecord& record, double way_m) {
-  return record.verdict == cli::Verdict::kNone && record.driven_m < 0.5 * way_m;
-}
-
 }  // namespace cornerfix::bench

@@ -121,7 +121,7 @@ void run(const ManyMapsArguments& arguments) {
     std::vector<double> ms;
     for (const cli::StartRecord& record : cli::evaluate(
              building.log, building.begin, maps, 0, building.mapping_positions, options, nullptr)) {
-      if (record.near_m > options.near_m || tells_nothing(record, options.way_m)) continue;
+      if (record.near_m > options.near_m || !record.counts) continue;
       ++starts;
       right += record.verdict == cli::Verdict::kFixed ? 1 : 0;
       wrong += record.verdict == cli::Verdict::kFalse ? 1 : 0;

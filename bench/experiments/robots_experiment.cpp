@@ -113,7 +113,7 @@ class RobotsExperiment {
   }
 
   [[nodiscard]] bool counts(const cli::StartRecord& record) const {
-    return record.near_m <= arguments_.near_m && !tells_nothing(record, arguments_.way_m);
+    return record.counts && record.near_m <= arguments_.near_m;
   }
 
   void write_start(const std::string& method, const cli::StartRecord& record, double searching_ms) {

@@ -51,8 +51,7 @@ struct Counts {
 Counts count(const std::vector<StartRecord>& records, const EvaluationOptions& options) {
   Counts counts;
   for (const StartRecord& record : records) {
-    if (record.near_m > options.near_m) continue;
-    if (record.verdict == Verdict::kNone && record.driven_m < 0.5 * options.way_m) continue;
+    if (!record.counts || record.near_m > options.near_m) continue;
     ++counts.starts;
     counts.fixed += record.verdict == Verdict::kFixed ? 1 : 0;
     counts.wrong += record.verdict == Verdict::kFalse ? 1 : 0;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -60,7 +61,8 @@ class EvaluateCommand : public testing::Test {
 TemporaryDirectory* EvaluateCommand::directory_ = nullptr;
 
 TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
-  const Outcome outcome = run({"evaluate", path("map.jsonl"), "--starts", "3", "--threads", "1"});
+  const Outcome outcome =
+      run({"evaluate", path("map.jsonl"), "--starts", "3", "--way", "5", "--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto figures = nlohmann::json::parse(outcome.out);
   for (const char* name : {"log",
@@ -73,9 +75,16 @@ TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
                            "false",
                            "none",
                            "success",
+                           "success_interval",
                            "success_5m",
                            "outside",
                            "outside_false",
+                           "answers_judged",
+                           "wrong_answers",
+                           "starts_with_wrong_answer",
+                           "wrong_interval",
+                           "wrong_later",
+                           "wrong_withdrawn",
                            "way_m",
                            "seconds",
                            "error_m",
@@ -89,6 +98,7 @@ TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
   }
   EXPECT_EQ(figures["log"], "map");
   EXPECT_EQ(figures["split"], "0.5");
+  EXPECT_EQ(figures["starts"].get<int>() + figures["outside"].get<int>(), 3);
   EXPECT_TRUE(figures["server_ms_per_scan"].contains("max"));
   EXPECT_EQ(figures["false"].get<int>() + figures["outside_false"].get<int>(), 0);
   EXPECT_THAT(outcome.err, HasSubstr("starts: 100 %"));
@@ -214,6 +224,8 @@ TEST_F(EvaluateCommand, EndsArgumentsOutOfRangeWithTwo) {
       {"--threads", "0"},
       {"--threads", "-1"},
       {"--method", "guess"},
+      {"--odom-fault", "none"},
+      {"--single-scan", "--report"},
       {"--any-map", "/no/such/log"},
       {"--slam", "--split", "blocks:5"},
       {"--slam", "--map-grid", CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml"}};
@@ -237,6 +249,110 @@ TEST_F(EvaluateCommand, SaysWhatALogLacks) {
   outcome = run({"evaluate", path("map.jsonl"), "--split", "1"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("holds no scan with a pose in the part that asks"));
+}
+
+TEST_F(EvaluateCommand, CorruptsTheOdometryThatRobotsReport) {
+  const auto figures_with = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {
+        "evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--starts", "2", "--way",
+        "4",        "--track",         "3",         "--threads",       "1"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  for (const char* fault : {"zero", "hang", "two_publishers", "wrong_heading", "jump"}) {
+    const auto figures = figures_with({"--odom-fault", fault});
+    EXPECT_EQ(figures["starts"], 2) << fault;
+  }
+  // The same robots as with true odometry until something is reported wrongly: they differ.
+  EXPECT_NE(figures_with({"--odom-fault", "zero"})["error_m"], figures_with({})["error_m"]);
+  EXPECT_EQ(run({"evaluate", path("ask.jsonl"), "--odom-fault", "zero", "--no-odom"}).exit_code, 2);
+}
+
+TEST_F(EvaluateCommand, ForcesAnAnswerToASingleScan) {
+  const Outcome outcome =
+      run({"evaluate", path("ask.jsonl"), "--map-grid",
+           CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml", "--single-scan", "--starts",
+           "5", "--threads", "1", "--out", path("single.json")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  const auto& mapped = summary["mapped"];
+  EXPECT_EQ(mapped["scans"], 5);
+  EXPECT_EQ(summary["outside"]["scans"], 0);
+  EXPECT_EQ(mapped["top1_right"].get<int>() + mapped["top1_wrong"].get<int>() +
+                mapped["top1_none"].get<int>(),
+            5);
+  EXPECT_LE(mapped["accepted_right"], mapped["top1_right"]);
+  EXPECT_GT(mapped["top1_right"], 0);
+  EXPECT_LE(mapped["top1_right_interval"][0], mapped["top1_right_interval"][1]);
+  EXPECT_LT(summary["error_m"]["max"].get<double>(), 0.5);
+  std::ifstream file(path("single.json"));
+  EXPECT_EQ(nlohmann::json::parse(file)["starts"].size(), 5U);
+}
+
+TEST_F(EvaluateCommand, AcceptsNoSingleScanOfAnotherBuilding) {
+  const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--elsewhere", path("map.jsonl"),
+                               "--single-scan", "--starts", "2", "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["outside"]["scans"], 2);
+  EXPECT_EQ(summary["outside"]["top1_right"], 0);
+}
+
+TEST_F(EvaluateCommand, ExplainsWhatTheDecisionSaw) {
+  const std::vector<std::string> arguments = {
+      "evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--way", "8", "--explain"};
+  std::vector<std::string> first = arguments;
+  first.insert(first.end(), {"0", "--out", path("explained")});
+  const Outcome outcome = run(first);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto explanation = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(explanation["start"], 0);
+  const auto& decision = explanation["decision"];
+  ASSERT_TRUE(decision.is_object());
+  EXPECT_EQ(decision["status"], "localized");
+  ASSERT_FALSE(decision["poses"].empty());
+  const auto& best = decision["poses"][0];
+  EXPECT_TRUE(best["correct"]);
+  int hits = 0;
+  double llr = 0.0;
+  for (const auto& hit_class : best["hits_by_class"]) hits += hit_class["count"].get<int>();
+  for (const char* kind : {"hits_by_class", "misses_by_class"}) {
+    for (const auto& one : best[kind]) llr += one["decision_llr"].get<double>();
+  }
+  EXPECT_EQ(hits, best["hits"]);
+  EXPECT_NEAR(llr, best["decision_llr"].get<double>(), 0.05 * std::abs(llr));
+
+  std::ifstream json(path("explained/start_0.json"));
+  EXPECT_EQ(nlohmann::json::parse(json), explanation);
+  std::ifstream png(path("explained/start_0.png"), std::ios::binary);
+  std::string signature(4, '\0');
+  png.read(signature.data(), 4);
+  EXPECT_EQ(signature, "\x89PNG");
+
+  std::vector<std::string> unknown = arguments;
+  unknown.insert(unknown.end(), {"99999", "--out", path("explained")});
+  EXPECT_EQ(run(unknown).exit_code, 1);
+  std::vector<std::string> nowhere = arguments;
+  nowhere.emplace_back("0");
+  EXPECT_EQ(run(nowhere).exit_code, 2);
+}
+
+TEST_F(EvaluateCommand, LooksInFurtherOccupancyMapsAsWell) {
+  const Outcome outcome =
+      run({"evaluate", path("ask.jsonl"), "--map-log", path("ask.jsonl"), "--any-map",
+           CORNERFIX_SOURCE_DIR "/tests/data/willow_full_0.05.yaml", "--starts", "1", "--way", "1",
+           "--track", "0"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["starts"], 1);
+}
+
+TEST_F(EvaluateCommand, WarnsWhenNoStartHasEnoughLogAhead) {
+  const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--starts", "1", "--threads", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["starts"], 0);
+  EXPECT_THAT(outcome.err, HasSubstr("no start counts"));
 }
 
 TEST_F(EvaluateCommand, TellsHowManyBrokenRecordsItLeftOut) {

@@ -1,0 +1,85 @@
+#include <cornerfix/map_image.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "evaluation/simulation/scenes.hpp"
+
+namespace cornerfix::cli {
+
+namespace {
+
+struct SceneArguments {
+  std::string kind;
+  std::filesystem::path out;
+  std::uint64_t layout_seed = 1;
+  std::uint64_t change_seed = 1;
+};
+
+std::vector<std::string> kind_names() {
+  std::vector<std::string> names;
+  for (const evaluation::SceneKind kind : evaluation::all_scene_kinds())
+    names.emplace_back(to_string(kind));
+  return names;
+}
+
+Result<void> write_bytes(const std::filesystem::path& path, const char* bytes, std::size_t size) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes, static_cast<std::streamsize>(size));
+  if (!file.flush()) return Error{ErrorCode::kStorageFull, "could not be written", path};
+  return {};
+}
+
+/// OUT.png and OUT.yaml; OUT may name the yaml.
+Result<void> write_map(std::filesystem::path out, const OccupancyGrid& grid) {
+  if (out.extension() == ".yaml") out.replace_extension();
+  const std::filesystem::path image = out.string() + ".png";
+  const std::vector<std::byte> png = encode_grid_png(grid);
+  Result<void> written = write_bytes(image, reinterpret_cast<const char*>(png.data()), png.size());
+  if (!written) return written;
+  const std::string yaml = encode_grid_yaml(grid, image.filename().string());
+  return write_bytes(out.string() + ".yaml", yaml.data(), yaml.size());
+}
+
+int run_scene(const SceneArguments& arguments) {
+  const auto kind = evaluation::scene_kind_from_string(arguments.kind);
+  const OccupancyGrid grid =
+      evaluation::make_scene(*kind, arguments.layout_seed, arguments.change_seed);
+  const Result<void> written = write_map(arguments.out, grid);
+  if (!written) return fail(written.error());
+  const auto free = std::ranges::count(grid.cells, Cell::kFree);
+  std::printf("%s: %.1f x %.1f m, %.0f m2 free\n", arguments.out.c_str(),
+              grid.width * grid.resolution, grid.height * grid.resolution,
+              static_cast<double>(free) * grid.resolution * grid.resolution);
+  return kDone;
+}
+
+}  // namespace
+
+void add_scene_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SceneArguments>();
+  CLI::App* command = app.add_subcommand(
+      "scene", "Generate the occupancy map of a warehouse, yard, office or the like, by seeds");
+  command->option_defaults()->always_capture_default();
+  command->add_option("KIND", arguments->kind, "What to generate")
+      ->required()
+      ->check(CLI::IsMember(kind_names()))
+      ->capture_default_str();
+  command->add_option("OUT", arguments->out, "Writes OUT.yaml and OUT.png")->required();
+  command->add_option("--layout-seed", arguments->layout_seed,
+                      "Draws what lasts: walls, racks, trees");
+  command->add_option("--change-seed", arguments->change_seed,
+                      "Draws what does not last: stock, parked cars, furniture");
+  command->callback([arguments, &exit_code] { exit_code = run_scene(*arguments); });
+}
+
+}  // namespace cornerfix::cli
