@@ -1,41 +1,50 @@
-/// \file  The bytes of one connection, for the HTTP library.
+/// \file  One connection: request after request, until one side closes it.
 ///
-/// The library has a stream of its own, but polls: with it every robot that keeps its connection
-/// wakes a thread about a hundred times a second, a third of what serving 200 robots costs.
+/// The HTTP library has a reader of its own, but it polls, and it reads heads without a bound and
+/// bodies whose end is in doubt.
 #pragma once
 
 #include <chrono>
-#include <memory>
+#include <optional>
+#include <string>
 
-namespace httplib {  // NOLINT(readability-identifier-naming): the library's own name.
-class Stream;
-}  // namespace httplib
+#include "server/request_receiver.hpp"
 
 namespace cornerfix::server {
 
 struct ConnectionTimeouts {
   std::chrono::milliseconds request;  ///< Until the next request begins.
-  std::chrono::milliseconds read;     ///< For the next bytes of a request.
-  std::chrono::milliseconds write;    ///< For the client to take the next bytes of an answer.
+  std::chrono::milliseconds head;     ///< From its first byte to the end of its head.
 };
 
-/// Owns its socket, and keeps what was read of the next request. One thread at a time.
+/// Owns its socket, and keeps what was received of the next request. One thread at a time.
 class Connection {
  public:
-  Connection(int socket, ConnectionTimeouts timeouts);
+  Connection(int socket, ConnectionTimeouts timeouts) : socket_(socket), timeouts_(timeouts) {}
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits, without waking up, until a request begins. False when none does in time; true also when
-  /// the client has closed the connection, which reading will tell.
-  [[nodiscard]] bool wait_for_request();
+  /// Waits for a request and its head. False when none comes in time, the client has closed the
+  /// connection, or the head is refused: refusal() is set then, if the client waits for an answer.
+  [[nodiscard]] bool receive_head();
+  [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
 
-  [[nodiscard]] httplib::Stream& stream();
+  /// Sends the last answer, and lets the client read it before the socket closes.
+  void send_last(std::string_view answer);
+  /// Waits, for a short time, until the client has read what was sent.
+  void linger();
+
+  [[nodiscard]] int socket() const { return socket_; }
+  [[nodiscard]] RequestReceiver& receiver() { return receiver_; }
+  [[nodiscard]] std::string& input() { return input_; }
 
  private:
-  class SocketStream;
-  std::unique_ptr<SocketStream> stream_;
+  int socket_;
+  ConnectionTimeouts timeouts_;
+  RequestReceiver receiver_;
+  std::string input_;  ///< Received, and not yet part of a request.
+  std::optional<Refusal> refusal_;
 };
 
 }  // namespace cornerfix::server

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 #include <exception>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
@@ -22,6 +23,7 @@
 #include "server/http_message.hpp"
 #include "server/media_types.hpp"
 #include "server/request_body.hpp"
+#include "server/request_stream.hpp"
 #include "server/responses.hpp"
 #include "server/router.hpp"
 #include "server/routes.hpp"
@@ -39,14 +41,11 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr int kListenBacklog = 1024;  // A fleet that reconnects at once.
 constexpr std::size_t kKeepAliveRequests = 1'000'000;
+constexpr std::chrono::seconds kHeadTimeout{5};
 constexpr std::chrono::seconds kReadTimeout{5};
 constexpr std::chrono::seconds kWriteTimeout{5};
 constexpr std::chrono::seconds kHeartbeat{5};
 constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
-
-constexpr const char* kContentSecurityPolicy =
-    "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
-    "frame-ancestors 'none'";
 
 /// The library's task queue, on our pool.
 class PoolQueue final : public httplib::TaskQueue {
@@ -61,16 +60,32 @@ class PoolQueue final : public httplib::TaskQueue {
 
 /// The library's server, on our connections.
 class ConnectionServer final : public httplib::Server {
+ public:
+  /// Renders the answer to a request that is not read.
+  std::function<std::string(const Refusal&)> refuse;
+
  private:
   bool process_and_close_socket(socket_t socket) override {
-    Connection connection(
-        socket, {std::chrono::seconds(keep_alive_timeout_sec_), kReadTimeout, kWriteTimeout});
-    bool was_answered = true;
-    bool is_closing = false;
-    while (was_answered && !is_closing && connection.wait_for_request()) {
-      was_answered = process_request(connection.stream(), false, is_closing, nullptr);
+    Connection connection(socket, {std::chrono::seconds(keep_alive_timeout_sec_), kHeadTimeout});
+    while (connection.receive_head()) {
+      if (!answer(connection)) return true;
     }
-    return was_answered;
+    if (connection.refusal()) connection.send_last(refuse(*connection.refusal()));
+    return true;
+  }
+
+  /// Whether the connection is kept.
+  bool answer(Connection& connection) {
+    RequestStream stream(connection.socket(), connection.receiver(), connection.input(),
+                         {.read = kReadTimeout, .write = kWriteTimeout});
+    bool is_closing = false;
+    const bool was_answered =
+        process_request(stream, false, is_closing,
+                        [&stream](const httplib::Request& request) { stream.watch(request); });
+    const bool was_read = connection.receiver().state() == RequestReceiver::State::kComplete;
+    if (was_answered && was_read && !is_closing && !stream.is_closing()) return true;
+    if (!was_read) connection.linger();
+    return false;
   }
 };
 
@@ -106,17 +121,6 @@ Response uri_too_long() {
   return problem_response(414, "uri_too_long", "The request target is too long.");
 }
 
-/// The answer to what the library gives up reading with `status`.
-Response unread_problem(const httplib::Request& raw, int status) {
-  if (status == 414) return uri_too_long();
-  const bool was_line_read = !raw.path.empty();
-  if (status == 400 && was_line_read) {
-    return problem_response(431, "headers_too_large",
-                            "The headers do not end, or one has more than 8192 bytes.");
-  }
-  return problem_response(status, "malformed", "The request cannot be read.");
-}
-
 }  // namespace
 
 struct HttpServer::Impl {
@@ -141,6 +145,7 @@ struct HttpServer::Impl {
   void serve(const httplib::Request& raw, httplib::Response& out,
              const httplib::ContentReader* reader);
   void refuse_unread(const httplib::Request& raw, httplib::Response& out);
+  std::string refuse_head(const Refusal& refusal);
   std::string next_request_id() { return id_prefix + "-" + std::to_string(next_id++); }
   Response answer(Exchange& exchange);
   Response answer_by_route(Exchange& exchange);
@@ -194,6 +199,7 @@ void HttpServer::Impl::set_up_http() {
   http.new_task_queue = [this] {
     return new PoolQueue(config.worker_threads, std::chrono::milliseconds(config.queue_timeout_ms));
   };
+  http.refuse = [this](const Refusal& refusal) { return refuse_head(refusal); };
   http.set_tcp_nodelay(true);
   http.set_keep_alive_max_count(kKeepAliveRequests);
   http.set_keep_alive_timeout(config.keep_alive_timeout_s);
@@ -220,7 +226,7 @@ void HttpServer::Impl::set_up_http() {
   http.Put(kAnyPath, serve_with_body);
   http.Patch(kAnyPath, serve_with_body);
   http.Delete(kAnyPath, serve_with_body);
-  // What the library refuses by itself: a broken request line, endless headers.
+  // What the library refuses by itself: a method that it does not know, say.
   const httplib::Server::HandlerWithResponse refuse_broken = [this](const httplib::Request& raw,
                                                                     httplib::Response& out) {
     using Handled = httplib::Server::HandlerResponse;
@@ -258,9 +264,18 @@ void HttpServer::Impl::refuse_unread(const httplib::Request& raw, httplib::Respo
   Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
   exchange.close = true;
   exchange.request.id = next_request_id();
-  Response response = unread_problem(raw, out.status);
+  Response response = problem_response(out.status, "malformed", "The request cannot be read.");
   spdlog::info("{} {} was not read: {}", exchange.request.id, raw.method, response.status);
   write(exchange, std::move(response), out);
+}
+
+std::string HttpServer::Impl::refuse_head(const Refusal& refusal) {
+  Response response = problem_response(refusal.status, refusal.code, refusal.detail);
+  const std::string id = next_request_id();
+  spdlog::info("{} was not read: {} {}", id, refusal.status, refusal.detail);
+  services.metrics->count_request("none", "none", refusal.status, 0.0);
+  add_common_headers(response, id);
+  return last_answer(response);
 }
 
 void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out,
@@ -294,10 +309,6 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
 
 Response HttpServer::Impl::answer(Exchange& exchange) {
   const httplib::Request& raw = exchange.raw;
-  if (exchange.framing.kind == Framing::Kind::kBad) {
-    return problem_response(400, "malformed",
-                            "Content-Length and Transfer-Encoding do not say where the body ends.");
-  }
   if (WorkerPool::is_shedding() || in_work > config.max_requests_in_work) {
     exchange.close |= WorkerPool::is_shedding();
     return problem_response(503, "busy", "Too many requests are in work; try again.");
@@ -305,10 +316,6 @@ Response HttpServer::Impl::answer(Exchange& exchange) {
   if (raw.target.size() > kMaxTargetLength) return uri_too_long();
   if (raw.ranges.size() > 1) {
     return problem_response(416, "range_not_satisfiable", "Ask for one range at most.");
-  }
-  if (!may_have_body(raw.method) && exchange.framing.kind != Framing::Kind::kNone) {
-    exchange.close |=
-        exchange.framing.kind == Framing::Kind::kChunked || exchange.framing.length > 0;
   }
   return answer_by_route(exchange);
 }
@@ -374,20 +381,14 @@ std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access acce
 }
 
 void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Response& out) {
-  const bool close = exchange.close || *services.draining;
   exchange.raw.ranges.clear();  // A whole answer to a range is allowed (RFC 9110, 14.2).
-  if (close) {
+  if (exchange.close || *services.draining) {
     exchange.raw.headers.erase("Connection");
     exchange.raw.headers.emplace("Connection", "close");
   }
+  add_common_headers(response, exchange.request.id);
   out.status = response.status;
-  out.set_header("X-Request-Id", exchange.request.id);
-  out.set_header("X-Content-Type-Options", "nosniff");
-  out.set_header("Content-Security-Policy", kContentSecurityPolicy);
-  out.set_header("Referrer-Policy", "no-referrer");
-  out.set_header("Vary", "Accept, Accept-Encoding, Authorization");
   for (const auto& [name, value] : response.headers) out.set_header(name.c_str(), value);
-  if (!out.has_header("Cache-Control")) out.set_header("Cache-Control", "no-store");
   if (response.events) {
     out.set_chunked_content_provider(
         response.content_type, [events = response.events](std::size_t, httplib::DataSink& sink) {
@@ -398,18 +399,7 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
         });
     return;
   }
-  if (response.body.empty()) return;
-  if (!close) {
-    out.set_content(response.body, response.content_type);
-    return;
-  }
-  // The library closes a connection whose content provider fails; this one does, once all is said.
-  const auto body = std::make_shared<const std::string>(std::move(response.body));
-  out.set_content_provider(body->size(), response.content_type,
-                           [body](std::size_t, std::size_t, httplib::DataSink& sink) {
-                             sink.write(body->data(), body->size());
-                             return false;
-                           });
+  if (!response.body.empty()) out.set_content(response.body, response.content_type);
 }
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config) {

@@ -3,8 +3,8 @@
 #include <strings.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -125,20 +125,9 @@ std::optional<Response> take_form(Exchange& exchange, std::size_t limit) {
 }  // namespace
 
 Framing framing_of(const httplib::Request& raw) {
-  const bool has_encoding = raw.has_header("Transfer-Encoding");
-  const std::size_t lengths = raw.get_header_value_count("Content-Length");
-  if (has_encoding) {
-    const bool is_chunked =
-        strcasecmp(raw.get_header_value("Transfer-Encoding").c_str(), "chunked") == 0;
-    // Both together is how requests are smuggled past a proxy.
-    return {is_chunked && lengths == 0 ? Framing::Kind::kChunked : Framing::Kind::kBad};
-  }
-  if (lengths == 0) return {};
-  const std::string text = raw.get_header_value("Content-Length");
-  Framing framing{Framing::Kind::kLength};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), framing.length);
-  const bool is_number = error == std::errc{} && end == text.data() + text.size();
-  return is_number && lengths == 1 ? framing : Framing{Framing::Kind::kBad};
+  if (raw.has_header("Transfer-Encoding")) return {Framing::Kind::kChunked};
+  if (!raw.has_header("Content-Length")) return {};
+  return {Framing::Kind::kLength, raw.get_header_value<std::uint64_t>("Content-Length")};
 }
 
 std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t limit) {
@@ -180,9 +169,8 @@ std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t
 
 void drop_body(Exchange& exchange) {
   if (exchange.body_was_read || exchange.framing.kind == Framing::Kind::kNone) return;
-  const bool is_readable = exchange.reader != nullptr &&
-                           exchange.framing.kind != Framing::Kind::kBad &&
-                           exchange.framing.length <= kMaxDroppedBytes;
+  const bool is_readable =
+      exchange.reader != nullptr && exchange.framing.length <= kMaxDroppedBytes;
   if (!is_readable) {
     exchange.close = true;
     return;

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "server/http_message.hpp"
+#include "server/request_head.hpp"
 #include "server/router.hpp"
 
 namespace httplib {
@@ -17,12 +17,7 @@ class ContentReader;
 
 namespace cornerfix::server {
 
-/// How the body of a request is delimited (RFC 9112, 6).
-struct Framing {
-  enum class Kind { kNone, kLength, kChunked, kBad };
-  Kind kind = Kind::kNone;
-  std::uint64_t length = 0;
-};
+/// Of a request whose head was received by RequestReceiver.
 [[nodiscard]] Framing framing_of(const httplib::Request& raw);
 
 /// One request on its way to its answer.

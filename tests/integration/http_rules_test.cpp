@@ -181,13 +181,55 @@ TEST_F(HttpRulesTest, RefusesABodyWhoseEndIsInDoubt) {
 TEST_F(HttpRulesTest, NeverTakesABodyForTheNextRequest) {
   client_.put("/v1/maps/office", Json::object());
   const std::string hidden = "DELETE /v1/maps/office HTTP/1.1\r\nHost: a\r\n\r\n";
-  for (const char* request : {"GET /healthz", "GET /v1/none", "POST /v1/none", "POST /healthz",
-                              "PATCH /v1/maps/office", "DELETE /v1/maps/none"}) {
+  for (const char* request :
+       {"GET /healthz", "HEAD /healthz", "GET /v1/none", "POST /v1/none", "POST /healthz",
+        "OPTIONS /v1/maps", "PATCH /v1/maps/office", "DELETE /v1/maps/none"}) {
     raw(std::string(request) +
             " HTTP/1.1\r\nHost: a\r\nContent-Length: " + std::to_string(hidden.size()) + "\r\n",
         hidden);
     EXPECT_EQ(client_.get("/v1/maps/office").status, 200) << request;
   }
+}
+
+TEST_F(HttpRulesTest, RefusesARequestThatAProxyCouldReadDifferently) {
+  client_.put("/v1/maps/office", Json::object());
+  const std::string hidden = "DELETE /v1/maps/office HTTP/1.1\r\nHost: a\r\n\r\n";
+  const std::string length = std::to_string(hidden.size());
+  const std::string post = "POST /v1/none HTTP/1.1\r\nHost: a\r\n";
+  const std::string chunked = "Transfer-Encoding: chunked\r\n";
+  for (const std::string& head :
+       {post + "Content-Length : " + length + "\r\n\r\n",
+        post + "X-A: b\r\n Content-Length: " + length + "\r\n\r\n",
+        "POST /v1/none HTTP/1.1\nHost: a\nContent-Length: " + length + "\n\n",
+        post + chunked + chunked + "\r\n0\r\n\r\n",
+        post + chunked + "Content-Length: " + length + "\r\n\r\n0\r\n\r\n",
+        post + chunked + "\r\n+0\r\n\r\n",
+        "HEAD /healthz HTTP/1.1\r\nHost: a\r\nContent-Length: " + length + "\r\n\r\n",
+        "GET /healthz HTTP/1.1\r\nHost: a\r\n" + chunked + "\r\n0\r\n\r\n"}) {
+    const std::string answer = exchange_bytes(server_.port(), head + hidden);
+    EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 400"), HasSubstr("Connection: close"),
+                              HasSubstr("application/problem+json")))
+        << head;
+    EXPECT_THAT(answer.substr(10), Not(HasSubstr("HTTP/1.1 "))) << head;
+    EXPECT_EQ(client_.get("/v1/maps/office").status, 200) << head;
+  }
+}
+
+TEST_F(HttpRulesTest, LimitsHeadersAndTrailers) {
+  std::string lines;
+  for (int i = 0; i < 200; ++i) lines += "x:y\r\n";
+  EXPECT_THAT(raw("GET /healthz HTTP/1.1\r\nHost: a\r\n" + lines),
+              AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("headers_too_large")));
+  std::string large;
+  for (int i = 0; i < 10; ++i) large += "x: " + std::string(8000, 'y') + "\r\n";
+  EXPECT_THAT(raw("GET /healthz HTTP/1.1\r\nHost: a\r\n" + large), StartsWith("HTTP/1.1 431"));
+  const std::string trailers =
+      exchange_bytes(server_.port(),
+                     "PUT /v1/maps/office HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
+                     "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n" +
+                         lines + "\r\n");
+  EXPECT_THAT(trailers, StartsWith("HTTP/1.1 4"));
+  EXPECT_EQ(client_.get("/v1/maps/office").status, 404);
 }
 
 TEST_F(HttpRulesTest, KeepsTheConnectionAfterAnError) {
