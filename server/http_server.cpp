@@ -10,11 +10,14 @@
 #include <ctime>
 #include <exception>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "api/json_codec.hpp"
 #include "server/access.hpp"
@@ -124,10 +127,12 @@ Response uri_too_long() {
 }  // namespace
 
 struct HttpServer::Impl {
-  explicit Impl(ServerConfig the_config) : config(std::move(the_config)), tokens(config.tokens) {}
+  explicit Impl(ServerConfig the_config)
+      : config(std::move(the_config)), tokens(std::make_shared<const TokenTable>(config.tokens)) {}
 
   ServerConfig config;
-  TokenTable tokens;
+  std::mutex tokens_mutex;
+  std::shared_ptr<const TokenTable> tokens;
   Services services;
   Router router;
   StaticFiles files;
@@ -138,6 +143,7 @@ struct HttpServer::Impl {
   int port = 0;
   ConnectionServer http;
 
+  std::shared_ptr<const TokenTable> current_tokens();
   Result<void> open_services();
   Result<void> bind();
   void set_up_http();
@@ -153,6 +159,11 @@ struct HttpServer::Impl {
   std::optional<Response> refuse(Exchange& exchange, Access access);
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
+
+std::shared_ptr<const TokenTable> HttpServer::Impl::current_tokens() {
+  const std::lock_guard lock(tokens_mutex);
+  return tokens;
+}
 
 Result<void> HttpServer::Impl::open_services() {
   auto stores = StoreAccess::open(config.database);
@@ -367,7 +378,7 @@ std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access acce
     return problem_response(403, "forbidden", "Another site's page may not change anything here.");
   }
   if (access == Access::kPublic) return std::nullopt;
-  const auto principal = tokens.identify(raw.get_header_value("Authorization"));
+  const auto principal = current_tokens()->identify(raw.get_header_value("Authorization"));
   if (!principal) {
     Response response = problem_response(401, "unauthorized", "Send Authorization: Bearer TOKEN.");
     response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"cornerfix\"");
@@ -423,6 +434,12 @@ bool HttpServer::run() {
   // It ends when drain() shuts the socket down, which the library takes for a failure.
   impl_->http.listen_after_bind();
   return *impl_->services.draining;
+}
+
+void HttpServer::set_tokens(std::vector<Token> tokens) {
+  auto table = std::make_shared<const TokenTable>(std::move(tokens));
+  const std::lock_guard lock(impl_->tokens_mutex);
+  impl_->tokens = std::move(table);
 }
 
 void HttpServer::drain() {

@@ -107,6 +107,10 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        [](auto& c, const json& v) {
          c.queue_timeout_ms = static_cast<int>(integer_of(v, 1, 60'000));
        }},
+      {"drain_timeout_s",
+       [](auto& c, const json& v) {
+         c.drain_timeout_s = static_cast<int>(integer_of(v, 0, 3600));
+       }},
       {"max_map_bytes", [](auto& c, const json& v) { c.max_map_bytes = count_of(v, kMaxBytes); }},
       {"max_mappers", [](auto& c, const json& v) { c.max_mappers = count_of(v, 10'000); }},
       {"session_idle_minutes",

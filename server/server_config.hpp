@@ -42,6 +42,7 @@ struct ServerConfig {
   std::size_t max_event_clients = 16;      ///< Each holds a thread for as long as it listens.
   int keep_alive_timeout_s = 5;            ///< An idle connection polls, so let it go soon.
   int queue_timeout_ms = 1000;             ///< A connection waiting longer for a thread gets 503.
+  int drain_timeout_s = 5;                 ///< After SIGTERM; then connections are closed.
 
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
   std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
