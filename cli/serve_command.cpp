@@ -1,6 +1,7 @@
 #include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -112,10 +113,19 @@ class Signals {
   bool has_ended_ = false;
 };
 
+/// Connections need descriptors, and the usual limit of 1,024 is far below what the loop can hold.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int serve(const ServerConfig& config, const ServeArguments& arguments) {
   mallopt(M_ARENA_MAX, kMaxHeaps);
   mallopt(M_MMAP_THRESHOLD, kMappedBufferBytes);
   spdlog::set_default_logger(spdlog::stderr_logger_mt("cornerfix"));
+  raise_descriptor_limit();
   Signals signals;
   auto started = HttpServer::start(config);
   if (!started) return fail(started.error());

@@ -1,50 +1,64 @@
-/// \file  One connection: request after request, until one side closes it.
-///
-/// The HTTP library has a reader of its own, but it polls, and it reads heads without a bound and
-/// bodies whose end is in doubt.
+/// \file  One connection as the event loop holds it, and one request on its way through a worker.
 #pragma once
 
 #include <chrono>
-#include <optional>
+#include <cstddef>
+#include <memory>
 #include <string>
 
 #include "server/request_receiver.hpp"
+#include "server/socket_io.hpp"
+#include "server/transfer_pace.hpp"
 
 namespace cornerfix::server {
 
-struct ConnectionTimeouts {
-  std::chrono::milliseconds request;  ///< Until the next request begins.
-  std::chrono::milliseconds head;     ///< From its first byte to the end of its head.
-};
+/// A body up to this size is received before a worker sees the request.
+inline constexpr std::size_t kMaxBufferedBody = std::size_t{1} << 20U;
 
-/// Owns its socket, and keeps what was received of the next request. One thread at a time.
-class Connection {
- public:
-  Connection(int socket, ConnectionTimeouts timeouts) : socket_(socket), timeouts_(timeouts) {}
+/// A request whose head has arrived, with its body as far as it was received. A worker has it for
+/// itself; the event loop does not touch the socket until the request comes back.
+struct RequestInWork {
+  int socket = -1;
+  SocketName client;
+  RequestReceiver receiver;
+  std::string input;  ///< Received after the request.
+
+  /// Whether the worker reads the rest of the body from the socket.
+  [[nodiscard]] bool is_streamed() const {
+    return receiver.state() != RequestReceiver::State::kComplete;
+  }
+};
+using RequestInWorkPtr = std::shared_ptr<RequestInWork>;
+
+/// Owns its socket.
+struct Connection {
+  using Clock = std::chrono::steady_clock;
+  enum class State {
+    kIdle,       ///< No byte of the next request has arrived.
+    kReceiving,  ///< Its head or its body is arriving.
+    kInWork,     ///< A worker has it.
+    kSending,    ///< The rest of the answer is being sent.
+    kLingering,  ///< All is sent; the client reads it before the socket closes.
+  };
+
+  Connection(int the_socket, SocketName the_client);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for a request and its head. False when none comes in time, the client has closed the
-  /// connection, or the head is refused: refusal() is set then, if the client waits for an answer.
-  [[nodiscard]] bool receive_head();
-  [[nodiscard]] const std::optional<Refusal>& refusal() const { return refusal_; }
-
-  /// Sends the last answer, and lets the client read it before the socket closes.
-  void send_last(std::string_view answer);
-  /// Waits, for a short time, until the client has read what was sent.
-  void linger();
-
-  [[nodiscard]] int socket() const { return socket_; }
-  [[nodiscard]] RequestReceiver& receiver() { return receiver_; }
-  [[nodiscard]] std::string& input() { return input_; }
-
- private:
-  int socket_;
-  ConnectionTimeouts timeouts_;
-  RequestReceiver receiver_;
-  std::string input_;  ///< Received, and not yet part of a request.
-  std::optional<Refusal> refusal_;
+  int socket;
+  SocketName client;
+  State state = State::kIdle;
+  RequestReceiver receiver{};
+  std::string input{};   ///< Received and not yet part of a request.
+  std::string output{};  ///< To be sent from `sent` on.
+  std::size_t sent = 0;
+  bool is_kept = true;           ///< Takes another request after this one.
+  bool is_body_awaited = false;  ///< Its head is complete, its body is not.
+  bool is_streamed = false;      ///< Its request in work is.
+  std::size_t buffered = 0;      ///< Bytes that count in the loop's budget.
+  TransferPace pace{{}};         ///< Of the body, the answer, or what is dropped.
+  Clock::time_point deadline{};  ///< Closes then, when set.
 };
 
 }  // namespace cornerfix::server

@@ -1,18 +1,16 @@
 #include "server/http_server.hpp"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <ctime>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -21,9 +19,10 @@
 
 #include "api/json_codec.hpp"
 #include "server/access.hpp"
-#include "server/connection.hpp"
+#include "server/connection_loop.hpp"
 #include "server/event_hub.hpp"
 #include "server/http_message.hpp"
+#include "server/listen_socket.hpp"
 #include "server/media_types.hpp"
 #include "server/request_body.hpp"
 #include "server/request_stream.hpp"
@@ -42,53 +41,24 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr int kListenBacklog = 1024;  // A fleet that reconnects at once.
 constexpr std::size_t kKeepAliveRequests = 1'000'000;
-constexpr std::chrono::seconds kHeadTimeout{5};
-constexpr std::chrono::seconds kReadTimeout{5};
-constexpr std::chrono::seconds kWriteTimeout{5};
 constexpr std::chrono::seconds kHeartbeat{5};
+constexpr std::size_t kStreamedRequests = 16;
 constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
 
-/// The library's task queue, on our pool.
-class PoolQueue final : public httplib::TaskQueue {
+/// The library's server without its sockets: it parses requests and writes answers.
+class LibraryServer final : public httplib::Server {
  public:
-  PoolQueue(std::size_t threads, std::chrono::milliseconds timeout) : pool_(threads, timeout) {}
-  void enqueue(std::function<void()> job) override { pool_.enqueue(std::move(job)); }
-  void shutdown() override { pool_.shutdown(); }
+  /// The library sends streams only as long as it has a listening socket; any number will do.
+  LibraryServer() { svr_sock_ = 0; }
 
- private:
-  WorkerPool pool_;
-};
-
-/// The library's server, on our connections.
-class ConnectionServer final : public httplib::Server {
- public:
-  /// Renders the answer to a request that is not read.
-  std::function<std::string(const Refusal&)> refuse;
-
- private:
-  bool process_and_close_socket(socket_t socket) override {
-    Connection connection(socket, {std::chrono::seconds(keep_alive_timeout_sec_), kHeadTimeout});
-    while (connection.receive_head()) {
-      if (!answer(connection)) return true;
-    }
-    if (connection.refusal()) connection.send_last(refuse(*connection.refusal()));
-    return true;
-  }
-
-  /// Whether the connection is kept.
-  bool answer(Connection& connection) {
-    RequestStream stream(connection.socket(), connection.receiver(), connection.input(),
-                         {.read = kReadTimeout, .write = kWriteTimeout});
+  /// Whether another request may follow on the connection.
+  bool answer(RequestStream& stream) {
     bool is_closing = false;
     const bool was_answered =
-        process_request(stream, false, is_closing,
+        process_request(stream.bytes(), false, is_closing,
                         [&stream](const httplib::Request& request) { stream.watch(request); });
-    const bool was_read = connection.receiver().state() == RequestReceiver::State::kComplete;
-    if (was_answered && was_read && !is_closing && !stream.is_closing()) return true;
-    if (!was_read) connection.linger();
-    return false;
+    return was_answered && !is_closing && !stream.is_closing();
   }
 };
 
@@ -139,14 +109,17 @@ struct HttpServer::Impl {
   std::string id_prefix = random_prefix();
   std::atomic<std::uint64_t> next_id{1};
   std::atomic<std::size_t> in_work{0};
-  int listen_fd = -1;
   int port = 0;
-  ConnectionServer http;
+  LibraryServer http;
+  std::optional<ConnectionLoop> connections;
+  std::optional<WorkerPool> workers;  ///< Ends first: its jobs use all of the above.
 
   std::shared_ptr<const TokenTable> current_tokens();
   Result<void> open_services();
-  Result<void> bind();
+  void open_connections(ListenSocket listener);
   void set_up_http();
+  bool dispatch(const RequestInWorkPtr& request);
+  void work(const RequestInWorkPtr& request);
 
   void serve(const httplib::Request& raw, httplib::Response& out,
              const httplib::ContentReader* reader);
@@ -207,19 +180,8 @@ Result<void> HttpServer::Impl::open_services() {
 }
 
 void HttpServer::Impl::set_up_http() {
-  http.new_task_queue = [this] {
-    return new PoolQueue(config.worker_threads, std::chrono::milliseconds(config.queue_timeout_ms));
-  };
-  http.refuse = [this](const Refusal& refusal) { return refuse_head(refusal); };
-  http.set_tcp_nodelay(true);
   http.set_keep_alive_max_count(kKeepAliveRequests);
   http.set_keep_alive_timeout(config.keep_alive_timeout_s);
-  http.set_socket_options([this](socket_t socket) {
-    // Not SO_REUSEPORT: two servers would share the port and split the robots between them.
-    const int on = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    listen_fd = socket;
-  });
   const auto serve_with_body = [this](const httplib::Request& raw, httplib::Response& out,
                                       const httplib::ContentReader& reader) {
     serve(raw, out, &reader);
@@ -252,23 +214,38 @@ void HttpServer::Impl::set_up_http() {
   });
 }
 
-Result<void> HttpServer::Impl::bind() {
-  const bool any_port = config.port == 0;
-  const int bound = any_port ? http.bind_to_any_port(config.listen)
-                             : (http.bind_to_port(config.listen, config.port) ? config.port : -1);
-  if (bound <= 0) {
-    return Error{ErrorCode::kUnavailable,
-                 "cannot bind " + config.listen + ":" + std::to_string(config.port) + ": " +
-                     std::strerror(errno),
-                 "/listen"};
-  }
-  port = bound;
-  // The library listens with a backlog of 5.
-  if (::listen(listen_fd, kListenBacklog) != 0) {
-    return Error{ErrorCode::kUnavailable, std::string("cannot listen: ") + std::strerror(errno),
-                 ""};
-  }
-  return {};
+void HttpServer::Impl::open_connections(ListenSocket listener) {
+  connections.emplace(
+      std::move(listener),
+      ConnectionLimits{.connections = config.max_connections,
+                       .connections_per_address = config.max_connections_per_address,
+                       .streamed_requests = kStreamedRequests,
+                       .idle_timeout = std::chrono::seconds(config.keep_alive_timeout_s),
+                       .drain_timeout = std::chrono::seconds(config.drain_timeout_s)},
+      [this](const RequestInWorkPtr& request) { return dispatch(request); },
+      [this](const Refusal& refusal) { return refuse_head(refusal); });
+  // Event streams and large bodies wait for their clients: they have threads beside the workers.
+  workers.emplace(config.worker_threads + config.max_event_clients + kStreamedRequests,
+                  std::chrono::milliseconds(config.queue_timeout_ms));
+}
+
+bool HttpServer::Impl::dispatch(const RequestInWorkPtr& request) {
+  // The loop limits large bodies, which wait for their clients, as do event streams.
+  const bool is_counted = !request->is_streamed();
+  const std::size_t limit = config.max_requests_in_work + services.events->count();
+  if (is_counted && in_work >= limit) return false;
+  in_work += is_counted ? 1U : 0U;
+  workers->enqueue([this, request, is_counted] {
+    work(request);
+    in_work -= is_counted ? 1U : 0U;
+  });
+  return true;
+}
+
+void HttpServer::Impl::work(const RequestInWorkPtr& request) {
+  RequestStream stream(*request);
+  const bool is_kept = http.answer(stream) && !request->is_streamed();
+  connections->finish(request, stream.take_unsent(), is_kept);
 }
 
 void HttpServer::Impl::refuse_unread(const httplib::Request& raw, httplib::Response& out) {
@@ -298,18 +275,16 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
   exchange.request.id = next_request_id();
   exchange.request.method = raw.method;
 
-  ++in_work;
   Response response;
   try {
     response = answer(exchange);
-    drop_body(exchange);
+    exchange.close |= is_left_unread(exchange);
   } catch (const std::exception& exception) {
     spdlog::error("{} {}", exchange.request.id, exception.what());
     response =
         problem_response(500, "internal", "The server's log has the details, by the request's id.");
     exchange.close = true;
   }
-  --in_work;
 
   const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - begin).count();
   services.metrics->count_request(raw.method, exchange.route, response.status, ms / 1e3);
@@ -320,8 +295,7 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
 
 Response HttpServer::Impl::answer(Exchange& exchange) {
   const httplib::Request& raw = exchange.raw;
-  if (WorkerPool::is_shedding() || in_work > config.max_requests_in_work) {
-    exchange.close |= WorkerPool::is_shedding();
+  if (WorkerPool::is_shedding()) {
     return problem_response(503, "busy", "Too many requests are in work; try again.");
   }
   if (raw.target.size() > kMaxTargetLength) return uri_too_long();
@@ -403,6 +377,7 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
   if (response.events) {
     out.set_chunked_content_provider(
         response.content_type, [events = response.events](std::size_t, httplib::DataSink& sink) {
+          if (!sink.is_writable()) return false;
           const auto piece = events->next(kHeartbeat);
           if (piece) return sink.write(piece->data(), piece->size());
           sink.done();
@@ -416,12 +391,12 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config) {
   auto impl = std::make_unique<Impl>(config);
   // The port first: where it is taken, no new database is left behind.
+  auto listener = ListenSocket::open(config.listen, config.port);
+  if (!listener) return listener.error();
+  impl->port = listener->port();
+  if (auto opened = impl->open_services(); !opened) return opened.error();
   impl->set_up_http();
-  if (auto bound = impl->bind(); !bound) return bound.error();
-  if (auto opened = impl->open_services(); !opened) {
-    ::close(impl->listen_fd);
-    return opened.error();
-  }
+  impl->open_connections(std::move(*listener));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
@@ -431,9 +406,9 @@ HttpServer::~HttpServer() = default;
 int HttpServer::port() const { return impl_->port; }
 
 bool HttpServer::run() {
-  // It ends when drain() shuts the socket down, which the library takes for a failure.
-  impl_->http.listen_after_bind();
-  return *impl_->services.draining;
+  const bool was_drained = impl_->connections->run();
+  impl_->workers->shutdown();
+  return was_drained;
 }
 
 void HttpServer::set_tokens(std::vector<Token> tokens) {
@@ -446,7 +421,7 @@ void HttpServer::drain() {
   *impl_->services.draining = true;
   impl_->services.events->close();
   impl_->services.reports->close();
-  ::shutdown(impl_->listen_fd, SHUT_RDWR);
+  impl_->connections->drain();
 }
 
 }  // namespace cornerfix::server

@@ -36,7 +36,7 @@ struct Exchange {
 [[nodiscard]] std::optional<Response> take_body(Exchange& exchange, BodyRule rule,
                                                 std::size_t limit);
 
-/// Takes what is left of the body off the wire, so that the next request begins where it should.
-void drop_body(Exchange& exchange);
+/// Whether a part of the body may still be on its way, so that the connection has to close.
+[[nodiscard]] bool is_left_unread(const Exchange& exchange);
 
 }  // namespace cornerfix::server

@@ -57,6 +57,8 @@ class HeadReader {
 
   /// Whether a byte of the request has arrived.
   [[nodiscard]] bool has_begun() const { return has_begun_; }
+  /// Bytes that it keeps.
+  [[nodiscard]] std::size_t size() const { return line_.size() + head_.text.size(); }
   /// After kDone.
   [[nodiscard]] RequestHead& head() { return head_; }
   /// After kRefused.

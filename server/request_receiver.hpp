@@ -33,7 +33,8 @@ class RequestReceiver {
   /// What was received of the request since the last call, as the HTTP library shall read it: a
   /// head that leaves no doubt, and chunks without extensions and trailers.
   [[nodiscard]] std::string take_text() { return std::exchange(text_, {}); }
-  [[nodiscard]] std::size_t text_size() const { return text_.size(); }
+  /// Bytes that it keeps.
+  [[nodiscard]] std::size_t size() const { return head_reader_.size() + text_.size(); }
 
  private:
   void take_head(std::string_view& bytes);

@@ -36,13 +36,14 @@ struct ServerConfig {
   std::size_t max_body_bytes = std::size_t{16} << 20U;  ///< After decompression.
   api::RequestLimits request_limits;
 
-  /// A keep-alive connection holds a thread, so this is how many robots can be connected.
-  std::size_t worker_threads = 256;
-  std::size_t max_requests_in_work = 256;  ///< More are answered 503.
-  std::size_t max_event_clients = 16;      ///< Each holds a thread for as long as it listens.
-  int keep_alive_timeout_s = 5;            ///< An idle connection polls, so let it go soon.
-  int queue_timeout_ms = 1000;             ///< A connection waiting longer for a thread gets 503.
-  int drain_timeout_s = 5;                 ///< After SIGTERM; then connections are closed.
+  std::size_t max_connections = 16'000;              ///< They hold no threads.
+  std::size_t max_connections_per_address = 12'000;  ///< A proxy's robots all have its address.
+  std::size_t worker_threads = 32;                   ///< Requests answered at the same time.
+  std::size_t max_requests_in_work = 256;            ///< More are answered 503.
+  std::size_t max_event_clients = 16;  ///< Each holds a thread for as long as it listens.
+  int keep_alive_timeout_s = 60;       ///< Then an idle connection is closed.
+  int queue_timeout_ms = 1000;         ///< A request waiting longer for a thread gets 503.
+  int drain_timeout_s = 5;             ///< After SIGTERM; then connections are closed.
 
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
   std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.

@@ -1,6 +1,8 @@
 // What holds for every call: paths, methods, bodies, limits, headers, connections.
 #include <gmock/gmock.h>
 
+#include <deque>
+
 #include "integration/test_server.hpp"
 #include "support/gzip.hpp"
 
@@ -321,18 +323,59 @@ TEST_F(HttpRulesTest, TellsItsHealthAndItsNumbers) {
                                       "maps/{map}\",status=\"404\"} 1"));
 }
 
-TEST_F(HttpRulesTest, AnswersInALimitedNumberOfRequestsAtOnce) {
+TEST_F(HttpRulesTest, ServesRobotsBesideClientsThatHoldTheirConnections) {
   server::ServerConfig config;
   config.worker_threads = 1;
-  config.queue_timeout_ms = 20;
-  testing::TestServer busy(directory_ / "busy.db", config);
-  testing::HttpClient holder(busy.port());
-  while (holder.get("/healthz").status != 200) {  // Then it keeps the only thread.
+  testing::TestServer server(directory_ / "beside.db", config);
+  std::deque<testing::RawConnection> hostile;
+  for (int i = 0; i < 100; ++i) {
+    hostile.emplace_back(server.port()).send(i % 2 == 0 ? "" : "GET /healthz HTTP/1.1\r\nHos");
+    // Bodies that never come.
+    hostile.emplace_back(server.port())
+        .send("PUT /v1/maps/office HTTP/1.1\r\nHost: a\r\nContent-Length: 1000\r\n\r\n{");
   }
-  const std::string answer =
-      exchange_bytes(busy.port(), "GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n");
-  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("Retry-After: 1"),
-                            HasSubstr("application/problem+json")));
+  testing::HttpClient robot(server.port());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(robot.get("/v1/maps").status, 200);
+  }
+}
+
+TEST_F(HttpRulesTest, RefusesLargeBodiesWithoutReadingThem) {
+  server::ServerConfig config;
+  config.max_requests_in_work = 1;
+  config.tokens = {{"0123456789abcdef", server::Role::kAdmin, "me"}};
+  testing::TestServer server(directory_ / "tokens.db", config);
+  testing::RawConnection stranger(server.port());
+  stranger.send(
+      "POST /v1/maps/office/archive HTTP/1.1\r\nHost: a\r\nContent-Length: 200000000\r\n\r\n");
+  EXPECT_THAT(stranger.read_to_end(),
+              AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("Connection: close")));
+}
+
+TEST_F(HttpRulesTest, TakesALargeBodyAfterAskingForIt) {
+  server::ServerConfig config;
+  testing::TestServer server(directory_ / "large.db", config);
+  const std::string body = "{" + std::string(3'000'000, ' ') + "}";
+  testing::RawConnection client(server.port());
+  client.send(
+      "PUT /v1/maps/office HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
+      "Expect: 100-continue\r\nConnection: close\r\nContent-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n");
+  EXPECT_THAT(client.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));
+  client.send(body);
+  EXPECT_THAT(client.read_to_end(), StartsWith("HTTP/1.1 201"));
+  testing::HttpClient again(server.port());
+  EXPECT_EQ(again.post_chunked("/v1/sessions", body, "application/json").status, 422);
+}
+
+TEST_F(HttpRulesTest, TurnsConnectionsAwayAboveItsLimit) {
+  server::ServerConfig config;
+  config.max_connections = 1;
+  testing::TestServer busy(directory_ / "busy.db", config);
+  testing::RawConnection holder(busy.port());
+  testing::RawConnection second(busy.port());
+  EXPECT_THAT(second.read_to_end(), AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("Retry-After: 1"),
+                                          HasSubstr("application/problem+json")));
 }
 
 }  // namespace
