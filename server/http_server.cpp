@@ -62,14 +62,16 @@ class LibraryServer final : public httplib::Server {
   }
 };
 
-std::string now_text() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+std::string time_text(std::chrono::system_clock::time_point time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
   std::tm utc{};
-  gmtime_r(&now, &utc);
+  gmtime_r(&seconds, &utc);
   std::string text(sizeof "2000-01-01T00:00:00Z" - 1, '\0');
   std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;
 }
+
+std::string now_text() { return time_text(std::chrono::system_clock::now()); }
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(SteadyClock::now().time_since_epoch()).count();
@@ -172,7 +174,13 @@ Result<void> HttpServer::Impl::open_services() {
                 if (!events->is_watched(session)) return;
                 if (const auto event = last_answer_event(view())) events->publish(session, *event);
               },
-          .idle_time = std::chrono::minutes(config.session_idle_minutes)});
+          .idle_time = std::chrono::minutes(config.session_idle_minutes),
+          .max_session_bytes = config.max_session_bytes,
+          .max_sessions_per_robot = config.max_sessions_per_robot,
+          .expired_before =
+              [days = std::chrono::days(config.session_expiry_days)] {
+                return time_text(std::chrono::system_clock::now() - days);
+              }});
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
   files.mount("vendor/leaflet", config.leaflet_root);

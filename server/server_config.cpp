@@ -117,6 +117,14 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        }},
       {"max_map_bytes", [](auto& c, const json& v) { c.max_map_bytes = count_of(v, kMaxBytes); }},
       {"max_mappers", [](auto& c, const json& v) { c.max_mappers = count_of(v, 10'000); }},
+      {"max_session_bytes",
+       [](auto& c, const json& v) { c.max_session_bytes = count_of(v, kMaxBytes); }},
+      {"max_sessions_per_robot",
+       [](auto& c, const json& v) { c.max_sessions_per_robot = count_of(v, 1'000'000); }},
+      {"session_expiry_days",
+       [](auto& c, const json& v) {
+         c.session_expiry_days = static_cast<int>(integer_of(v, 1, 36'500));
+       }},
       {"session_idle_minutes",
        [](auto& c, const json& v) {
          c.session_idle_minutes = static_cast<int>(integer_of(v, 1, 1'000'000));

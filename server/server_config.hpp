@@ -48,6 +48,9 @@ struct ServerConfig {
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
   std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
   int session_idle_minutes = 30;  ///< Then a session is kept in the database only.
+  std::size_t max_session_bytes = std::size_t{2} << 30U;  ///< Of sessions kept in memory.
+  std::size_t max_sessions_per_robot = 100;               ///< More are answered 429.
+  int session_expiry_days = 30;                           ///< Then an unused session is removed.
 };
 
 /// What the command line said.

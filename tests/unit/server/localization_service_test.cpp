@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <thread>
 
 #include "unit/server/service_fixture.hpp"
@@ -29,7 +30,7 @@ class LocalizationServiceTest : public ServiceTest {
     request.lidar_json = api::lidar_to_json(request.lidar);
     const auto created = process.localization.create(request);
     EXPECT_TRUE(created) << created.error().message;
-    return created->id;
+    return created.value().value().id;
   }
 
   /// The batch of `count` scans that has `sequence`, when all batches have so many.
@@ -106,7 +107,7 @@ TEST_F(LocalizationServiceTest, KnowsNoMapOrSessionThatIsNotThere) {
   request.robot = "cart-7";
   request.maps = {"office", "nowhere"};
   EXPECT_EQ(service_.create(request).error().code, ErrorCode::kNotFound);
-  EXPECT_TRUE(service_.list()->empty());
+  EXPECT_TRUE(service_.list({})->sessions.empty());
   EXPECT_EQ(service_.find("none").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(service_.head("none").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(service_.reset("none").error().code, ErrorCode::kNotFound);
@@ -310,7 +311,7 @@ TEST_F(LocalizationServiceTest, AnswersASingleQuestion) {
   EXPECT_THAT(*answer, HasSubstr("localized in office"));
   EXPECT_EQ(*service_.localize("office", request), *answer);
   EXPECT_EQ(service_.localize("nowhere", request).error().code, ErrorCode::kNotFound);
-  EXPECT_TRUE(service_.list()->empty());
+  EXPECT_TRUE(service_.list({})->sessions.empty());
 }
 
 TEST_F(LocalizationServiceTest, AnswersAQuestionAboutAnEmptyMap) {
@@ -346,6 +347,58 @@ TEST_F(LocalizationServiceTest, ShowsTheLastScanAndTheSubmapsFeatures) {
 TEST_F(LocalizationServiceTest, CountsSessionsInMemory) {
   create(process_);
   EXPECT_EQ(service_.count_by_status(), (SessionCounts{1, 0, 0, 0}));
+}
+
+TEST_F(LocalizationServiceTest, KeepsTheLeastUsedSessionsInTheStoreOnly) {
+  Process small(file(), {}, {.max_bytes = 1});
+  std::vector<std::string> parked;
+  std::vector<std::string> kept;
+  for (int i = 0; i < 3; ++i) {
+    parked.push_back(create(small));
+    kept.push_back(create(process_));
+  }
+  const auto without_id = [](const std::string& answer) { return answer.substr(answer.find(' ')); };
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    for (std::size_t robot = 0; robot < parked.size(); ++robot) {
+      EXPECT_EQ(without_id(answer(small, parked[robot], batch(i))),
+                without_id(answer(process_, kept[robot], batch(i))));
+    }
+  }
+  const SessionCounts counts = small.localization.count_by_status();
+  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), 1U);
+}
+
+TEST_F(LocalizationServiceTest, LimitsTheSessionsOfARobot) {
+  Process strict(file(), {}, {.max_per_robot = 2});
+  const std::string first = create(strict);
+  create(strict);
+  api::CreateSessionRequest another;
+  another.robot = "cart-7";
+  EXPECT_FALSE(strict.localization.create(another).value().has_value());
+  another.robot = "cart-8";
+  another.lidar_json = api::lidar_to_json(another.lidar);
+  EXPECT_TRUE(strict.localization.create(another).value().has_value());
+  ASSERT_TRUE(strict.localization.remove(first));
+  create(strict);
+}
+
+TEST_F(LocalizationServiceTest, RemovesSessionsThatWereNotUsedForLong) {
+  const std::string id = create(process_);
+  Process later(file(), {}, {.expired_before = [] { return std::string("2024-06-01T12:00:00Z"); }});
+  EXPECT_EQ(later.localization.find(id).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(LocalizationServiceTest, ListsSessionsInPages) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 3; ++i) ids.push_back(create(process_));
+  const SessionList first = service_.list({.limit = 2}).value();
+  ASSERT_EQ(first.sessions.size(), 2U);
+  EXPECT_EQ(first.sessions[1].id, ids[1]);
+  const SessionList second = service_.list({.after = first.next.value(), .limit = 2}).value();
+  ASSERT_EQ(second.sessions.size(), 1U);
+  EXPECT_EQ(second.sessions[0].id, ids[2]);
+  EXPECT_FALSE(second.next.has_value());
+  EXPECT_TRUE(service_.list({.robot = "another"}).value().sessions.empty());
 }
 
 }  // namespace
