@@ -145,6 +145,7 @@ Result<void> HttpServer::Impl::open_services() {
   if (!stores) return stores.error();
   services.stores = *stores;
   services.limits = config.request_limits;
+  services.min_free_bytes = config.min_free_bytes;
   services.draining = std::make_shared<std::atomic<bool>>(false);
   services.events = std::make_shared<EventHub>(config.max_event_clients);
   services.metrics = std::make_shared<Metrics>();

@@ -115,6 +115,7 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        [](auto& c, const json& v) {
          c.drain_timeout_s = static_cast<int>(integer_of(v, 0, 3600));
        }},
+      {"min_free_bytes", [](auto& c, const json& v) { c.min_free_bytes = count_of(v, kMaxBytes); }},
       {"max_map_bytes", [](auto& c, const json& v) { c.max_map_bytes = count_of(v, kMaxBytes); }},
       {"max_mappers", [](auto& c, const json& v) { c.max_mappers = count_of(v, 10'000); }},
       {"max_session_bytes",

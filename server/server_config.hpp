@@ -24,9 +24,10 @@ struct Token {
 };
 
 struct ServerConfig {
-  std::filesystem::path database;      ///< SQLite file, made when it does not exist.
-  std::string listen = "127.0.0.1";    ///< Address to bind.
-  int port = 8080;                     ///< 0 takes a free one.
+  std::filesystem::path database;  ///< SQLite file, made when it does not exist.
+  std::size_t min_free_bytes = std::size_t{16} << 20U;  ///< On its disk; below, /readyz is 503.
+  std::string listen = "127.0.0.1";                     ///< Address to bind.
+  int port = 8080;                                      ///< 0 takes a free one.
   bool allow_insecure_listen = false;  ///< Bind to more than loopback in spite of having no tokens.
   std::vector<Token> tokens;           ///< Empty: everybody may do everything.
 

@@ -368,6 +368,21 @@ TEST_F(HttpRulesTest, TakesALargeBodyAfterAskingForIt) {
   EXPECT_EQ(again.post_chunked("/v1/sessions", body, "application/json").status, 422);
 }
 
+TEST_F(HttpRulesTest, IsNotReadyWithoutItsDatabaseOrRoomForIt) {
+  server::ServerConfig config;
+  config.min_free_bytes = std::size_t{1} << 60U;
+  testing::TestServer full(directory_ / "full.db", config);
+  const Reply no_room = testing::HttpClient(full.port()).get("/readyz");
+  expect_problem(no_room, 503);
+  EXPECT_THAT(no_room.json()["detail"], HasSubstr("bytes left"));
+  std::filesystem::remove(directory_ / "test.db");
+  expect_problem(client_.put("/v1/maps/office", Json::object()), 503);
+  const Reply deleted = client_.get("/readyz");
+  expect_problem(deleted, 503);
+  EXPECT_THAT(deleted.json()["detail"], HasSubstr("deleted or replaced"));
+  EXPECT_TRUE(is_alive());
+}
+
 TEST_F(HttpRulesTest, TurnsConnectionsAwayAboveItsLimit) {
   server::ServerConfig config;
   config.max_connections = 1;
