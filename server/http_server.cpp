@@ -21,6 +21,7 @@
 #include "server/access.hpp"
 #include "server/connection_loop.hpp"
 #include "server/event_hub.hpp"
+#include "server/host_check.hpp"
 #include "server/http_message.hpp"
 #include "server/listen_socket.hpp"
 #include "server/media_types.hpp"
@@ -100,11 +101,14 @@ Response uri_too_long() {
 
 struct HttpServer::Impl {
   explicit Impl(ServerConfig the_config)
-      : config(std::move(the_config)), tokens(std::make_shared<const TokenTable>(config.tokens)) {}
+      : config(std::move(the_config)),
+        tokens(std::make_shared<const TokenTable>(config.tokens)),
+        hosts(config.listen, config.allowed_hosts) {}
 
   ServerConfig config;
   std::mutex tokens_mutex;
   std::shared_ptr<const TokenTable> tokens;
+  HostCheck hosts;  ///< Used where there are no tokens.
   Services services;
   Router router;
   StaticFiles files;
@@ -132,6 +136,7 @@ struct HttpServer::Impl {
   Response answer_by_route(Exchange& exchange);
   Response answer_by_file(Exchange& exchange, const PathSegments& path);
   std::optional<Response> refuse(Exchange& exchange, Access access);
+  std::optional<Response> refuse_foreign_page(const httplib::Request& raw) const;
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
 
@@ -355,13 +360,33 @@ Response HttpServer::Impl::answer_by_file(Exchange& exchange, const PathSegments
   return response ? *response : problem_response(404, "not_found", "There is no such path.");
 }
 
+std::optional<Response> HttpServer::Impl::refuse_foreign_page(const httplib::Request& raw) const {
+  const std::string host = raw.get_header_value("Host");
+  if (!host.empty() && !hosts.allows_host(host)) {
+    return problem_response(421, "misdirected_request",
+                            "Host " + host +
+                                " is not known as a name of this server: configure tokens, or add "
+                                "it to allowed_hosts.");
+  }
+  const bool is_foreign =
+      raw.has_header("Origin") && !hosts.allows_origin(raw.get_header_value("Origin"), host);
+  if (raw.method != "GET" && raw.method != "HEAD" && is_foreign) {
+    return problem_response(403, "forbidden", "Another site's page may not change anything here.");
+  }
+  return std::nullopt;
+}
+
 std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access access) {
   const httplib::Request& raw = exchange.raw;
   if (raw.method != "GET" && raw.method != "HEAD" && is_cross_site(raw)) {
     return problem_response(403, "forbidden", "Another site's page may not change anything here.");
   }
   if (access == Access::kPublic) return std::nullopt;
-  const auto principal = current_tokens()->identify(raw.get_header_value("Authorization"));
+  const auto known_tokens = current_tokens();
+  if (known_tokens->is_empty()) {
+    if (auto refusal = refuse_foreign_page(raw)) return refusal;
+  }
+  const auto principal = known_tokens->identify(raw.get_header_value("Authorization"));
   if (!principal) {
     Response response = problem_response(401, "unauthorized", "Send Authorization: Bearer TOKEN.");
     response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"cornerfix\"");

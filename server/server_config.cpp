@@ -86,6 +86,12 @@ const std::map<std::string, Setter, std::less<>>& setters() {
          c.tokens.clear();
          for (const json& token : v) c.tokens.push_back(token_of(token));
        }},
+      {"allowed_hosts",
+       [](auto& c, const json& v) {
+         if (!v.is_array()) throw WrongValue("expected an array of names");
+         c.allowed_hosts.clear();
+         for (const json& host : v) c.allowed_hosts.push_back(text_of(host));
+       }},
       {"web_root", [](auto& c, const json& v) { c.web_root = text_of(v); }},
       {"leaflet_root", [](auto& c, const json& v) { c.leaflet_root = text_of(v); }},
       {"max_body_bytes",

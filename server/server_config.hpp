@@ -30,6 +30,8 @@ struct ServerConfig {
   int port = 8080;                                      ///< 0 takes a free one.
   bool allow_insecure_listen = false;  ///< Bind to more than loopback in spite of having no tokens.
   std::vector<Token> tokens;           ///< Empty: everybody may do everything.
+  /// Names of the server in Host headers, beside those that HostCheck knows. Used without tokens.
+  std::vector<std::string> allowed_hosts;
 
   std::filesystem::path web_root;  ///< The inspector's files; empty: where they were installed.
   std::filesystem::path leaflet_root = "/usr/share/javascript/leaflet";

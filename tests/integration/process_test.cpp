@@ -57,7 +57,7 @@ TEST_F(ProcessTest, AnswersWhatIsInWorkBeforeItEnds) {
   const std::string id = testing::open_session(client, "cart-7", "office");
   const std::string body = testing::session_batch(drive_, 0).dump();
   testing::RawConnection slow(server.port());
-  slow.send("POST /v1/sessions/" + id + "/scans HTTP/1.1\r\nHost: a\r\n" +
+  slow.send("POST /v1/sessions/" + id + "/scans HTTP/1.1\r\nHost: localhost\r\n" +
             "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) +
             "\r\nExpect: 100-continue\r\n\r\n");
   ASSERT_THAT(slow.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));  // now it is in work
@@ -249,7 +249,7 @@ TEST_F(ProcessTest, EndsInSpiteOfAClientThatNeverEndsItsRequest) {
   ServerProcess server(with_config);
   testing::RawConnection slow(server.port());
   slow.send(
-      "PUT /v1/maps/office HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
+      "PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
       "Content-Length: 2000000\r\nExpect: 100-continue\r\n\r\n");
   ASSERT_THAT(slow.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));  // now it is in work
   server.signal(SIGTERM);

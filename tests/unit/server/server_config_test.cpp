@@ -52,7 +52,8 @@ TEST(ServerConfig, RefusesWrongValues) {
        {R"({"port": "80"})", R"({"port": 65536})", R"({"port": -1})", R"({"port": 1.5})",
         R"({"max_scans": 0})", R"({"max_body_bytes": 18446744073709551615})", R"({"listen": 1})",
         R"({"allow_insecure_listen": 1})", R"({"drain_timeout_s": -1})", R"({"tokens": {}})",
-        R"({"tokens": [1]})", R"({"tokens": [{"token": "0123456789abcdef"}]})",
+        R"({"allowed_hosts": "a"})", R"({"allowed_hosts": [1]})", R"({"tokens": [1]})",
+        R"({"tokens": [{"token": "0123456789abcdef"}]})",
         R"({"tokens": [{"token": "0123456789abcdef", "role": "king"}]})",
         R"({"tokens": [{"token": "0123456789abcdef", "role": "admin", "nmae": "x"}]})", "[]", "{",
         ""}) {
