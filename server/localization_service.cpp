@@ -9,6 +9,8 @@
 #include <random>
 #include <utility>
 
+#include "server/batch_digest.hpp"
+
 namespace cornerfix::server {
 
 using storage::MapInfo;
@@ -294,7 +296,8 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
                                         .last_answer = session.record.last_answer,
                                         .state = &forgotten,
                                         .beams = session.lidar.beams.value_or(0),
-                                        .now = now};
+                                        .now = now,
+                                        .last_batch = session.record.last_batch};
     const auto saved =
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
@@ -331,6 +334,10 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
       return outcome;
     }
     if (expected > 0 && request.sequence == expected - 1) {
+      const std::uint64_t known = session.record.last_batch;
+      if (known != 0 && known != digest_of(request.scans)) {
+        return BatchOutcome{.expected_sequence = expected, .is_another_batch = true};
+      }
       return BatchOutcome{.answer = session.record.last_answer};
     }
     return BatchOutcome{.expected_sequence = expected};
@@ -351,7 +358,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
   session.lidar.beams = last.scan.ranges.size();
-  if (auto saved = save(session, request.sequence + 1, answer); !saved) return saved.error();
+  if (auto saved = save(session, request, answer); !saved) return saved.error();
   session.status = batch.answer.status;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
@@ -362,20 +369,22 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   return BatchOutcome{.answer = answer};
 }
 
-Result<void> LocalizationService::save(Session& session, std::uint64_t expected_sequence,
+Result<void> LocalizationService::save(Session& session, const api::SessionScansRequest& request,
                                        const std::string& answer) {
   const LocalizerState state = session.state();
   const std::string now = settings_.now();
   const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
-                                      .expected_sequence = expected_sequence,
+                                      .expected_sequence = request.sequence + 1,
                                       .last_answer = answer,
                                       .state = &state,
                                       .beams = session.lidar.beams.value_or(0),
-                                      .now = now};
+                                      .now = now,
+                                      .last_batch = digest_of(request.scans)};
   auto saved = stores_->with_sessions(
       [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
   if (!saved) return saved;
-  session.record.expected_sequence = expected_sequence;
+  session.record.expected_sequence = update.expected_sequence;
+  session.record.last_batch = update.last_batch;
   session.record.last_answer = answer;
   session.record.last_used = now;
   return {};

@@ -71,6 +71,8 @@ struct SessionHead {
 struct BatchOutcome {
   /// Set when the batch was not the next one: nothing was done, and this one is awaited.
   std::optional<std::uint64_t> expected_sequence{};
+  /// Its sequence was that of the last batch, but its scans were others: nothing was done.
+  bool is_another_batch = false;
   std::string answer{};  ///< Rendered; the same bytes whenever the batch is posted again.
 };
 
@@ -142,7 +144,7 @@ class LocalizationService {
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();
   [[nodiscard]] Result<BatchOutcome> take_batch(Session& session,
                                                 const api::SessionScansRequest& request);
-  [[nodiscard]] Result<void> save(Session& session, std::uint64_t expected_sequence,
+  [[nodiscard]] Result<void> save(Session& session, const api::SessionScansRequest& request,
                                   const std::string& answer);
   void forget(const std::string& id);
   void forget_idle(std::chrono::steady_clock::time_point now);

@@ -127,6 +127,9 @@ class SessionRoutes {
     const auto& batch = std::get<api::SessionScansRequest>(parsed);
     const auto outcome = service().post_scans(id, batch);
     if (!outcome) return error_response(request, outcome.error());
+    if (outcome->is_another_batch) {
+      return another_batch(batch.sequence, *outcome->expected_sequence);
+    }
     if (outcome->expected_sequence) {
       return wrong_sequence(batch.sequence, *outcome->expected_sequence);
     }
@@ -177,14 +180,26 @@ class SessionRoutes {
   }
 
   static Response wrong_sequence(std::uint64_t sequence, std::uint64_t expected) {
-    return problem_response(
-        api::Problem{.status = 409,
-                     .code = "sequence_conflict",
-                     .title = "Wrong sequence",
-                     .detail = "The batch has sequence " + std::to_string(sequence) +
-                               "; the session expects " + std::to_string(expected) + ".",
-                     .errors = {},
-                     .extra_json = Json{{"expected", expected}}.dump()});
+    return sequence_conflict("The batch has sequence " + std::to_string(sequence) +
+                                 "; the session expects " + std::to_string(expected) + ".",
+                             expected);
+  }
+
+  static Response another_batch(std::uint64_t sequence, std::uint64_t expected) {
+    return sequence_conflict("Sequence " + std::to_string(sequence) +
+                                 " was answered for a batch with other scans; the session "
+                                 "expects " +
+                                 std::to_string(expected) + ".",
+                             expected);
+  }
+
+  static Response sequence_conflict(std::string detail, std::uint64_t expected) {
+    return problem_response(api::Problem{.status = 409,
+                                         .code = "sequence_conflict",
+                                         .title = "Wrong sequence",
+                                         .detail = std::move(detail),
+                                         .errors = {},
+                                         .extra_json = Json{{"expected", expected}}.dump()});
   }
 
   Services services_;

@@ -107,8 +107,13 @@ CREATE INDEX sessions_by_robot ON sessions (robot);
 CREATE INDEX sessions_by_use ON sessions (last_used);
 )sql";
 
-constexpr std::array<const char*, 5> kMigrations = {kCreateTables, kCreateMapGrids, kAddDrift,
-                                                    kRememberMapsAndBeams, kRememberUse};
+// Digest of the batch that last_answer answers; 0 where that is not known.
+constexpr const char* kRememberBatch = R"sql(
+ALTER TABLE sessions ADD COLUMN last_batch INTEGER NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array<const char*, 6> kMigrations = {
+    kCreateTables, kCreateMapGrids, kAddDrift, kRememberMapsAndBeams, kRememberUse, kRememberBatch};
 
 }  // namespace
 

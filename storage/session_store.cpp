@@ -15,11 +15,12 @@ namespace {
 
 constexpr std::string_view kSelectSession =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state, beams, last_used FROM sessions WHERE id = ?";
+    "state, beams, last_used, last_batch FROM sessions WHERE id = ?";
 
 constexpr std::string_view kSelectPage =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state, beams, last_used FROM sessions WHERE number > ?1 AND (?2 = '' OR robot = ?2) "
+    "state, beams, last_used, last_batch FROM sessions WHERE number > ?1 AND (?2 = '' OR robot = "
+    "?2) "
     "ORDER BY number LIMIT ?3";
 
 Error unknown_session(std::string_view id) {
@@ -55,13 +56,21 @@ std::vector<SubmapScanKey> sync_submap(Database& database, std::int64_t session,
   return keys;
 }
 
-void write_answer(Database& database, std::int64_t session, std::uint64_t expected_sequence,
-                  std::string_view last_answer, BlobView state, std::size_t beams,
-                  std::string_view last_used) {
+struct AnswerRow {
+  std::uint64_t expected_sequence = 0;
+  std::string_view last_answer;
+  BlobView state;
+  std::size_t beams = 0;
+  std::string_view last_used;
+  std::uint64_t last_batch = 0;
+};
+
+void write_answer(Database& database, std::int64_t session, const AnswerRow& row) {
   Statement(database,
             "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, beams = ?, "
-            "last_used = ? WHERE number = ?")
-      .bind(expected_sequence, last_answer, state, beams, last_used, session)
+            "last_used = ?, last_batch = ? WHERE number = ?")
+      .bind(row.expected_sequence, row.last_answer, row.state, row.beams, row.last_used,
+            row.last_batch, session)
       .run();
 }
 
@@ -116,6 +125,7 @@ SessionRecord read_record(Database& database, const Statement& row) {
   record.last_answer = row.text(7);
   record.beams = row.number(9);
   record.last_used = row.text(10);
+  record.last_batch = row.number(11);
   return record;
 }
 
@@ -173,9 +183,14 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
     }
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, session, record.state.submap, {});
-    write_answer(*database_, session, record.expected_sequence, record.last_answer,
-                 encode_localizer_state(record.state, submap), record.beams,
-                 record.last_used.empty() ? record.created : record.last_used);
+    const Blob state = encode_localizer_state(record.state, submap);
+    write_answer(*database_, session,
+                 {.expected_sequence = record.expected_sequence,
+                  .last_answer = record.last_answer,
+                  .state = state,
+                  .beams = record.beams,
+                  .last_used = record.last_used.empty() ? record.created : record.last_used,
+                  .last_batch = record.last_batch});
     transaction.commit();
     return {};
   });
@@ -194,8 +209,14 @@ Result<void> SessionStore::update(std::string_view id, const SessionUpdate& upda
     }
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, stored->number, update.state->submap, std::move(stored->submap));
-    write_answer(*database_, stored->number, update.expected_sequence, update.last_answer,
-                 encode_localizer_state(*update.state, submap), update.beams, update.now);
+    const Blob state = encode_localizer_state(*update.state, submap);
+    write_answer(*database_, stored->number,
+                 {.expected_sequence = update.expected_sequence,
+                  .last_answer = update.last_answer,
+                  .state = state,
+                  .beams = update.beams,
+                  .last_used = update.now,
+                  .last_batch = update.last_batch});
     transaction.commit();
     return {};
   });

@@ -123,6 +123,23 @@ TEST_F(LocalizationServiceTest, AnswersTheSameBatchWithTheSameBytes) {
   EXPECT_EQ(process_.events.scans, 6U);
 }
 
+TEST_F(LocalizationServiceTest, RefusesOtherScansWithTheLastSequence) {
+  const std::string id = create(process_);
+  const std::string first = answer(process_, id, batch(0));
+  auto other = batch(1);
+  other.sequence = 0;
+  Process restarted(file());
+  for (Process* process : {&process_, &restarted}) {
+    const auto refused = process->localization.post_scans(id, other);
+    ASSERT_TRUE(refused);
+    EXPECT_TRUE(refused->is_another_batch);
+    EXPECT_EQ(refused->expected_sequence, 1U);
+    EXPECT_EQ(answer(*process, id, batch(0)), first);
+  }
+  ASSERT_TRUE(service_.reset(id));
+  EXPECT_TRUE(service_.post_scans(id, other)->is_another_batch);
+}
+
 TEST_F(LocalizationServiceTest, SaysWhichSequenceItExpects) {
   const std::string id = create(process_);
   answer(process_, id, batch(0));

@@ -53,6 +53,7 @@ class SessionStoreTest : public ::testing::Test {
 TEST_F(SessionStoreTest, GivesBackASessionBitForBit) {
   SessionRecord session = record("s1", sample_state(3, 12, 5));
   session.expected_sequence = 17;
+  session.last_batch = ~std::uint64_t{0};
   session.last_answer = "{\"status\":\"localized\"}";
   ASSERT_TRUE(store_.insert(session));
   EXPECT_TRUE(is_same(store_.find("s1").value().value(), session));
