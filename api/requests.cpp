@@ -117,7 +117,7 @@ void read_maps(const JsonField& body, std::vector<std::string>& names) {
 void read_stamped_pose(const JsonField& field, std::vector<StampedPose>& poses) {
   if (!field.expect_object()) return;
   const auto stamp_field = field.require("stamp", "seconds");
-  const auto stamp = stamp_field ? stamp_field->as_number() : std::nullopt;
+  const auto stamp = stamp_field ? stamp_field->as_stamp() : std::nullopt;
   const auto pose = field.as_pose();
   if (stamp && pose) poses.push_back({*stamp, *pose});
 }
