@@ -126,6 +126,10 @@ int serve(const ServerConfig& config, const ServeArguments& arguments) {
   mallopt(M_MMAP_THRESHOLD, kMappedBufferBytes);
   spdlog::set_default_logger(spdlog::stderr_logger_mt("cornerfix"));
   raise_descriptor_limit();
+  if (!config.tokens.empty() && arguments.config && server::is_open_to_others(*arguments.config)) {
+    spdlog::warn("{} holds tokens, but others than its owner can read or change it: chmod 600",
+                 arguments.config->string());
+  }
   Signals signals;
   auto started = HttpServer::start(config);
   if (!started) return fail(started.error());

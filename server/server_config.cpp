@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace cornerfix::server {
@@ -205,6 +206,13 @@ Result<ServerConfig> load_config(const std::optional<std::filesystem::path>& con
   config.allow_insecure_listen |= flags.allow_insecure_listen;
   if (auto error = validate(config)) return *error;
   return config;
+}
+
+bool is_open_to_others(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto permissions = std::filesystem::status(file, error).permissions();
+  using enum std::filesystem::perms;
+  return !error && (permissions & (group_read | group_write | others_read | others_write)) != none;
 }
 
 std::optional<Error> validate(const ServerConfig& config) {

@@ -72,6 +72,9 @@ struct ServerFlags {
 [[nodiscard]] Result<ServerConfig> load_config(
     const std::optional<std::filesystem::path>& config_file, const ServerFlags& flags);
 
+/// Whether others than the owner can read or change the file, which is not for one with tokens.
+[[nodiscard]] bool is_open_to_others(const std::filesystem::path& file);
+
 /// The first broken limit, or nothing. Without tokens only loopback may be bound, unless
 /// `allow_insecure_listen` says so.
 [[nodiscard]] std::optional<Error> validate(const ServerConfig& config);

@@ -93,6 +93,20 @@ TEST(ServerConfig, RefusesTokensThatAreEasyToGuessOrForNobody) {
   EXPECT_EQ(validate(config)->field, "/tokens/0/name");
 }
 
+TEST(ServerConfig, KnowsAFileThatOthersCanRead) {
+  const testing::TemporaryDirectory directory;
+  const std::filesystem::path file = directory / "config.json";
+  std::ofstream(file) << "{}";
+  using std::filesystem::perms;
+  std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
+  EXPECT_FALSE(is_open_to_others(file));
+  for (const perms open : {perms::group_read, perms::others_read, perms::others_write}) {
+    std::filesystem::permissions(file, perms::owner_read | open);
+    EXPECT_TRUE(is_open_to_others(file));
+  }
+  EXPECT_FALSE(is_open_to_others(directory / "none.json"));
+}
+
 TEST(ServerConfig, SaysWhichFileItCannotRead) {
   const testing::TemporaryDirectory directory;
   const auto config = load_config(directory / "none.json", {});
