@@ -23,12 +23,12 @@ Json session_json(const SessionView& view) {
                                       .robot = view.robot,
                                       .maps = view.maps,
                                       .created = view.created,
+                                      .last_seen = view.last_seen,
                                       .expected = view.expected_sequence,
                                       .lidar_json = view.lidar_json,
                                       .options_json = view.options_json,
                                       .last_answer = answer.is_null() ? nullptr : &answer});
   session["status"] = to_string(view.status);
-  session["last_seen"] = view.last_seen;
   return session;
 }
 
