@@ -15,7 +15,7 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
   return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
-std::string_view trimmed(std::string_view text) {
+std::string_view stripped(std::string_view text) {
   const auto first = text.find_first_not_of(kWhitespace);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kWhitespace) - first + 1);
@@ -118,7 +118,7 @@ HeadReader::State HeadReader::take_header(std::string_view line) {
   const auto colon = line.find(':');
   if (colon == std::string_view::npos) return refuse("A header line has no colon.");
   const std::string_view name = line.substr(0, colon);
-  const std::string_view value = trimmed(line.substr(colon + 1));
+  const std::string_view value = stripped(line.substr(colon + 1));
   if (!is_token(name))
     return refuse("The name of a header has a space or another wrong character.");
   if (!is_field_value(value)) return refuse("The value of a header has a control character.");

@@ -45,7 +45,7 @@ struct ServerConfig {
   std::size_t max_requests_in_work = 256;            ///< More are answered 503.
   std::size_t max_event_clients = 16;  ///< Each holds a thread for as long as it listens.
   int keep_alive_timeout_s = 60;       ///< Then an idle connection is closed.
-  int queue_timeout_ms = 1000;         ///< A request waiting longer for a thread gets 503.
+  int queue_timeout_ms = 10'000;       ///< A request waiting longer for a thread gets 503.
   int drain_timeout_s = 5;             ///< After SIGTERM; then connections are closed.
 
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
