@@ -342,12 +342,12 @@ TEST_F(LocalizationServiceTest, ListsAndForgetsSessions) {
   const std::string id = create(process_);
   create(process_);
   const std::string last = answer(process_, id, batch(0));
-  const auto list = *service_.list();
+  const auto list = service_.list({}).value().sessions;
   ASSERT_EQ(list.size(), 2U);
   EXPECT_EQ(list[0].id, id);
   EXPECT_EQ(list[0].last_answer, last);
   ASSERT_TRUE(service_.remove(id));
-  EXPECT_EQ(service_.list()->size(), 1U);
+  EXPECT_EQ(service_.list({}).value().sessions.size(), 1U);
   EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kNotFound);
 }
 
