@@ -157,7 +157,8 @@ HeadReader::State HeadReader::take_framing(std::string_view name, std::string_vi
 
 HeadReader::State HeadReader::end() {
   if (has_length_ && has_encoding_) {
-    return refuse("Content-Length and Transfer-Encoding together do not tell where the body ends.");
+    return refuse(
+        "Content-Length and Transfer-Encoding are both there: the end of the body is in doubt.");
   }
   if (hosts_ > 1 || (hosts_ == 0 && is_http_1_1_)) {
     return refuse("A request has one Host header, this one has " + std::to_string(hosts_) + ".");

@@ -18,17 +18,22 @@ class LocalizationServiceTest : public ServiceTest {
  protected:
   LocalizationServiceTest() { make_map(process_, "office"); }
 
-  std::string create(Process& process, std::vector<std::string> maps = {"office"}) {
+  api::CreateSessionRequest session_of(const std::string& robot,
+                                       std::vector<std::string> maps = {"office"}) const {
     const LaserScan& scan = drive_.scans[0].scan;
     api::CreateSessionRequest request;
-    request.robot = "cart-7";
+    request.robot = robot;
     request.maps = std::move(maps);
     request.lidar.angle_min = scan.angle_min;
     request.lidar.angle_increment = scan.angle_increment;
     request.lidar.range_min = scan.range_min;
     request.lidar.range_max = scan.range_max;
     request.lidar_json = api::lidar_to_json(request.lidar);
-    const auto created = process.localization.create(request);
+    return request;
+  }
+
+  std::string create(Process& process, std::vector<std::string> maps = {"office"}) {
+    const auto created = process.localization.create(session_of("cart-7", std::move(maps)));
     EXPECT_TRUE(created) << created.error().message;
     return created.value().value().id;
   }
@@ -389,12 +394,8 @@ TEST_F(LocalizationServiceTest, LimitsTheSessionsOfARobot) {
   Process strict(file(), {}, {.max_per_robot = 2});
   const std::string first = create(strict);
   create(strict);
-  api::CreateSessionRequest another;
-  another.robot = "cart-7";
-  EXPECT_FALSE(strict.localization.create(another).value().has_value());
-  another.robot = "cart-8";
-  another.lidar_json = api::lidar_to_json(another.lidar);
-  EXPECT_TRUE(strict.localization.create(another).value().has_value());
+  EXPECT_FALSE(strict.localization.create(session_of("cart-7")).value().has_value());
+  EXPECT_TRUE(strict.localization.create(session_of("cart-8")).value().has_value());
   ASSERT_TRUE(strict.localization.remove(first));
   create(strict);
 }
