@@ -212,16 +212,11 @@ Json render_session(const SessionEntry& session) {
   json["lidar"] = stored(session.lidar_json);
   json["options"] = params_to_json(params_from_json(session.options_json));
   json["created"] = session.created;
+  json["last_seen"] = session.last_seen;
   json["expected"] = session.expected;
   json["status"] = to_string(session.status);
   json["last_answer"] = session.last_answer != nullptr ? *session.last_answer : Json(nullptr);
   return json;
-}
-
-Json render_session_list(std::span<const SessionEntry> sessions) {
-  Json list = Json::array();
-  for (const SessionEntry& session : sessions) list.push_back(render_session(session));
-  return {{"sessions", std::move(list)}};
 }
 
 }  // namespace cornerfix::api

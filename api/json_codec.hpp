@@ -89,6 +89,7 @@ struct SessionEntry {
   std::string_view robot;
   std::span<const std::string> maps;  ///< As asked for; empty: every map.
   std::string_view created;           ///< RFC 3339.
+  std::string_view last_seen;         ///< When it took its last batch, or was created.
   std::uint64_t expected = 0;         ///< Sequence of the next batch.
   Status status = Status::kCollecting;
   std::string_view lidar_json;
@@ -97,6 +98,5 @@ struct SessionEntry {
 };
 /// `options` are all that are in force, defaults too.
 [[nodiscard]] Json render_session(const SessionEntry& session);
-[[nodiscard]] Json render_session_list(std::span<const SessionEntry> sessions);
 
 }  // namespace cornerfix::api

@@ -67,6 +67,11 @@ std::optional<double> JsonField::as_number(double least, double most) const {
   return std::nullopt;
 }
 
+std::optional<double> JsonField::as_stamp() const {
+  constexpr double kMaxStamp = 1e12;
+  return as_number(-kMaxStamp, kMaxStamp);
+}
+
 std::optional<double> JsonField::as_number() const {
   const double number =
       value_->is_number() ? value_->get<double>() : std::numeric_limits<double>::quiet_NaN();

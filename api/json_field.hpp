@@ -39,6 +39,8 @@ class JsonField {
 
   /// Finite, within [least, most].
   [[nodiscard]] std::optional<double> as_number(double least, double most) const;
+  /// Seconds since any time: from -1e12 to 1e12, where doubles still resolve milliseconds.
+  [[nodiscard]] std::optional<double> as_stamp() const;
   [[nodiscard]] std::optional<double> as_number() const;
   /// Whole, within [least, most]; 3.0 is whole.
   [[nodiscard]] std::optional<std::uint64_t> as_count(std::uint64_t least,

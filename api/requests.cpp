@@ -117,7 +117,7 @@ void read_maps(const JsonField& body, std::vector<std::string>& names) {
 void read_stamped_pose(const JsonField& field, std::vector<StampedPose>& poses) {
   if (!field.expect_object()) return;
   const auto stamp_field = field.require("stamp", "seconds");
-  const auto stamp = stamp_field ? stamp_field->as_number() : std::nullopt;
+  const auto stamp = stamp_field ? stamp_field->as_stamp() : std::nullopt;
   const auto pose = field.as_pose();
   if (stamp && pose) poses.push_back({*stamp, *pose});
 }
@@ -345,6 +345,13 @@ Parsed<Bounds> parse_bbox(std::string_view text) {
 
 Parsed<std::size_t> parse_page_limit(std::string_view text) {
   return parse_whole_number("limit", text, 1, kMaxPageLimit);
+}
+
+Parsed<std::size_t> parse_session_page_token(std::string_view text) {
+  constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::int64_t>::max());
+  const auto token = parse_whole_number("page_token", text, 0, kMost);
+  if (std::holds_alternative<std::size_t>(token)) return token;
+  return wrong_query("page_token", "must be next_page_token of the page before");
 }
 
 Parsed<std::size_t> parse_wait(std::string_view text) {

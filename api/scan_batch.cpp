@@ -38,7 +38,7 @@ std::optional<double> read_ros_stamp(const JsonField& stamp) {
   const auto seconds_field = ros1 ? ros1 : stamp.require("sec", "seconds, with nanosec");
   if (!seconds_field) return std::nullopt;
   const auto nanoseconds_field = stamp.find(ros1 ? "nsecs" : "nanosec");
-  const auto seconds = seconds_field->as_number();
+  const auto seconds = seconds_field->as_stamp();
   const auto nanoseconds =
       nanoseconds_field ? nanoseconds_field->as_count(0, 999'999'999) : std::uint64_t{0};
   if (!seconds || !nanoseconds) return std::nullopt;
@@ -46,7 +46,7 @@ std::optional<double> read_ros_stamp(const JsonField& stamp) {
 }
 
 std::optional<double> read_stamp(const JsonField& scan) {
-  if (const auto stamp = scan.find("stamp")) return stamp->as_number();
+  if (const auto stamp = scan.find("stamp")) return stamp->as_stamp();
   const auto header = scan.find("header");
   if (!header) {
     scan.fail_member("stamp", "is needed: seconds");

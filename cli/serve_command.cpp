@@ -1,6 +1,7 @@
 #include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "cli/command.hpp"
 #include "server/http_server.hpp"
@@ -31,46 +33,61 @@ constexpr int kMaxHeaps = 4;
 /// Buffers from this size on go back to the system as soon as they are let go. By default the C
 /// library keeps ever larger ones, and what a large map needed while it was loaded would stay.
 constexpr int kMappedBufferBytes = 1 << 20;
-/// A client that neither sends nor reads cannot keep the server from going down.
-constexpr std::chrono::seconds kDrainTime{20};
+/// On top of the drain time, for batches that are being worked on: then the process ends anyway.
+/// What was acknowledged is in the database.
+constexpr std::chrono::seconds kLastBatchTime{2};
 
 struct ServeArguments {
   ServerFlags flags;
   std::optional<std::filesystem::path> config;
 };
 
-sigset_t stop_signals() {
+sigset_t handled_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
   return signals;
 }
 
-/// Drains the server when a stop signal comes. Every thread made after this one is spared them.
-class StopSignals {
+/// Takes over the tokens of the configuration file. When it cannot be used, the old ones stay.
+void reload_tokens(HttpServer& server, const ServeArguments& arguments) {
+  if (!arguments.config) {
+    spdlog::warn("SIGHUP reloads the tokens of --config FILE, but there is none: ignored");
+    return;
+  }
+  auto config = server::load_config(arguments.config, arguments.flags);
+  if (!config) {
+    spdlog::error("the tokens stay as they were: {}{}{}", config.error().message,
+                  config.error().field.empty() ? "" : " at ", config.error().field);
+    return;
+  }
+  spdlog::info("reloaded {} tokens", config->tokens.size());
+  server.set_tokens(std::move(config->tokens));
+}
+
+/// Drains the server when a stop signal comes, and reloads tokens at SIGHUP. Every thread made
+/// after this one leaves these signals alone.
+class Signals {
  public:
-  StopSignals() {
-    const sigset_t signals = stop_signals();
+  Signals() {
+    const sigset_t signals = handled_signals();
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   }
 
-  void drain_on_signal(HttpServer& server) {
-    thread_ = std::thread([this, &server] {
-      const sigset_t signals = stop_signals();
-      int signal = 0;
-      sigwait(&signals, &signal);
+  void handle(HttpServer& server, const ServeArguments& arguments, std::chrono::seconds stop_time) {
+    thread_ = std::thread([this, &server, &arguments, stop_time] {
+      while (wait() == SIGHUP) reload_tokens(server, arguments);
       server.drain();
       std::unique_lock lock(mutex_);
-      if (!ended_.wait_for(lock, kDrainTime, [this] { return has_ended_; })) {
-        spdlog::warn("some clients did not let go; leaving them");
+      if (!ended_.wait_for(lock, stop_time, [this] { return has_ended_; })) {
+        spdlog::warn("some requests are still in work; leaving them");
         spdlog::shutdown();
         std::_Exit(kDone);
       }
     });
   }
 
-  /// To be called when the server has ended, for whatever reason.
+  /// To be called when the server has ended, for any reason.
   void end() {
     {
       const std::lock_guard lock(mutex_);
@@ -83,21 +100,41 @@ class StopSignals {
   }
 
  private:
+  static int wait() {
+    const sigset_t signals = handled_signals();
+    int signal = 0;
+    sigwait(&signals, &signal);
+    return signal;
+  }
+
   std::thread thread_;
   std::mutex mutex_;
   std::condition_variable ended_;
   bool has_ended_ = false;
 };
 
-int serve(const ServerConfig& config) {
+/// Connections need descriptors, and the usual limit of 1,024 is far below what the loop can hold.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+int serve(const ServerConfig& config, const ServeArguments& arguments) {
   mallopt(M_ARENA_MAX, kMaxHeaps);
   mallopt(M_MMAP_THRESHOLD, kMappedBufferBytes);
   spdlog::set_default_logger(spdlog::stderr_logger_mt("cornerfix"));
-  StopSignals signals;
+  raise_descriptor_limit();
+  if (!config.tokens.empty() && arguments.config && server::is_open_to_others(*arguments.config)) {
+    spdlog::warn("{} holds tokens, but others than its owner can read or change it: chmod 600",
+                 arguments.config->string());
+  }
+  Signals signals;
   auto started = HttpServer::start(config);
   if (!started) return fail(started.error());
   HttpServer& server = **started;
-  signals.drain_on_signal(server);
+  signals.handle(server, arguments, std::chrono::seconds(config.drain_timeout_s) + kLastBatchTime);
   const bool is_ipv6 = config.listen.find(':') != std::string::npos;
   std::printf("listening on http://%s%s%s:%d\n", is_ipv6 ? "[" : "", config.listen.c_str(),
               is_ipv6 ? "]" : "", server.port());
@@ -111,7 +148,7 @@ int serve(const ServerConfig& config) {
 
 int run_serve(const ServeArguments& arguments) {
   const auto config = server::load_config(arguments.config, arguments.flags);
-  if (config) return serve(*config);
+  if (config) return serve(*config, arguments);
   fail(config.error());
   return config.error().code == ErrorCode::kNotFound ? kCouldNot : kWrongUse;
 }

@@ -36,6 +36,7 @@ class TokenTable {
  public:
   explicit TokenTable(std::vector<Token> tokens) : tokens_(std::move(tokens)) {}
 
+  [[nodiscard]] bool is_empty() const { return tokens_.empty(); }
   /// The holder of the token in an Authorization header, or nothing when there is none or it is
   /// unknown. Without any tokens configured everybody is an admin.
   [[nodiscard]] std::optional<Principal> identify(std::string_view authorization) const;

@@ -39,6 +39,12 @@ std::shared_ptr<EventSubscription> EventHub::subscribe(const std::string& sessio
   return subscription;
 }
 
+std::size_t EventHub::count() {
+  const std::lock_guard lock(mutex_);
+  remove_expired();
+  return subscriptions_.size();
+}
+
 bool EventHub::is_watched(const std::string& session) {
   const std::lock_guard lock(mutex_);
   remove_expired();

@@ -45,6 +45,8 @@ class EventHub {
   /// last pointer.
   [[nodiscard]] std::shared_ptr<EventSubscription> subscribe(const std::string& session);
 
+  /// Watchers of all sessions.
+  [[nodiscard]] std::size_t count();
   [[nodiscard]] bool is_watched(const std::string& session);
   void publish(const std::string& session, const std::string& event);
   /// Ends the streams of a session that is no more.

@@ -9,7 +9,7 @@ Response ready(const Services& services, const Request& request) {
   if (*services.draining) {
     return problem_response(503, "draining", "The server is going down.");
   }
-  if (const auto readable = services.stores->probe(); !readable) {
+  if (const auto readable = services.stores->probe(services.min_free_bytes); !readable) {
     return error_response(request, Error{ErrorCode::kUnavailable, readable.error().message, ""});
   }
   return json_response(200, R"({"status":"ready"})");

@@ -1,7 +1,13 @@
 #include "server/http_message.hpp"
 
+#include <algorithm>
+
 namespace cornerfix::server {
 namespace {
+
+constexpr const char* kContentSecurityPolicy =
+    "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'";
 
 std::string_view title_of(int status) {
   switch (status) {
@@ -35,6 +41,10 @@ std::string_view title_of(int status) {
       return "Expectation failed";
     case 422:
       return "Unprocessable content";
+    case 421:
+      return "Misdirected request";
+    case 429:
+      return "Too many requests";
     case 431:
       return "Request header fields too large";
     case 501:
@@ -47,6 +57,27 @@ std::string_view title_of(int status) {
 }
 
 }  // namespace
+
+void add_common_headers(Response& response, const std::string& request_id) {
+  auto& headers = response.headers;
+  const bool has_cache_rule = std::ranges::any_of(
+      headers, [](const auto& header) { return header.first == "Cache-Control"; });
+  if (!has_cache_rule) headers.emplace_back("Cache-Control", "no-store");
+  headers.emplace_back("X-Request-Id", request_id);
+  headers.emplace_back("X-Content-Type-Options", "nosniff");
+  headers.emplace_back("Content-Security-Policy", kContentSecurityPolicy);
+  headers.emplace_back("Referrer-Policy", "no-referrer");
+  headers.emplace_back("Vary", "Accept, Accept-Encoding, Authorization");
+}
+
+std::string last_answer(const Response& response) {
+  std::string text = "HTTP/1.1 " + std::to_string(response.status) + " ";
+  text.append(title_of(response.status)).append("\r\n");
+  for (const auto& [name, value] : response.headers) text += name + ": " + value + "\r\n";
+  text += "Content-Type: " + response.content_type + "\r\n";
+  text += "Content-Length: " + std::to_string(response.body.size()) + "\r\n";
+  return text + "Connection: close\r\n\r\n" + response.body;
+}
 
 Response json_response(int status, std::string json) {
   return {.status = status, .content_type = "application/json", .body = std::move(json)};

@@ -47,6 +47,13 @@ struct Response {
   std::shared_ptr<EventSubscription> events{};  ///< When set, the body is this stream.
 };
 
+/// What every answer carries: the request's id, what browsers must not do with it, how it is
+/// cached.
+void add_common_headers(Response& response, const std::string& request_id);
+
+/// The answer as text, with "Connection: close".
+[[nodiscard]] std::string last_answer(const Response& response);
+
 using Handler = std::function<Response(const Request&)>;
 
 [[nodiscard]] Response json_response(int status, std::string json);

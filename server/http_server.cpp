@@ -1,27 +1,32 @@
 #include "server/http_server.hpp"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <ctime>
 #include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "api/json_codec.hpp"
 #include "server/access.hpp"
-#include "server/connection.hpp"
+#include "server/connection_loop.hpp"
 #include "server/event_hub.hpp"
+#include "server/host_check.hpp"
 #include "server/http_message.hpp"
+#include "server/listen_socket.hpp"
 #include "server/media_types.hpp"
 #include "server/request_body.hpp"
+#include "server/request_stream.hpp"
 #include "server/responses.hpp"
 #include "server/router.hpp"
 #include "server/routes.hpp"
@@ -37,51 +42,37 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr int kListenBacklog = 1024;  // A fleet that reconnects at once.
 constexpr std::size_t kKeepAliveRequests = 1'000'000;
-constexpr std::chrono::seconds kReadTimeout{5};
-constexpr std::chrono::seconds kWriteTimeout{5};
 constexpr std::chrono::seconds kHeartbeat{5};
+constexpr std::size_t kStreamedRequests = 16;
 constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
 
-constexpr const char* kContentSecurityPolicy =
-    "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
-    "frame-ancestors 'none'";
-
-/// The library's task queue, on our pool.
-class PoolQueue final : public httplib::TaskQueue {
+/// The library's server without its sockets: it parses requests and writes answers.
+class LibraryServer final : public httplib::Server {
  public:
-  PoolQueue(std::size_t threads, std::chrono::milliseconds timeout) : pool_(threads, timeout) {}
-  void enqueue(std::function<void()> job) override { pool_.enqueue(std::move(job)); }
-  void shutdown() override { pool_.shutdown(); }
+  /// The library sends streams only as long as it has a listening socket; any number will do.
+  LibraryServer() { svr_sock_ = 0; }
 
- private:
-  WorkerPool pool_;
-};
-
-/// The library's server, on our connections.
-class ConnectionServer final : public httplib::Server {
- private:
-  bool process_and_close_socket(socket_t socket) override {
-    Connection connection(
-        socket, {std::chrono::seconds(keep_alive_timeout_sec_), kReadTimeout, kWriteTimeout});
-    bool was_answered = true;
+  /// Whether another request may follow on the connection.
+  bool answer(RequestStream& stream) {
     bool is_closing = false;
-    while (was_answered && !is_closing && connection.wait_for_request()) {
-      was_answered = process_request(connection.stream(), false, is_closing, nullptr);
-    }
-    return was_answered;
+    const bool was_answered =
+        process_request(stream.bytes(), false, is_closing,
+                        [&stream](const httplib::Request& request) { stream.watch(request); });
+    return was_answered && !is_closing && !stream.is_closing();
   }
 };
 
-std::string now_text() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+std::string time_text(std::chrono::system_clock::time_point time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
   std::tm utc{};
-  gmtime_r(&now, &utc);
+  gmtime_r(&seconds, &utc);
   std::string text(sizeof "2000-01-01T00:00:00Z" - 1, '\0');
   std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;
 }
+
+std::string now_text() { return time_text(std::chrono::system_clock::now()); }
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(SteadyClock::now().time_since_epoch()).count();
@@ -106,54 +97,60 @@ Response uri_too_long() {
   return problem_response(414, "uri_too_long", "The request target is too long.");
 }
 
-/// The answer to what the library gives up reading with `status`.
-Response unread_problem(const httplib::Request& raw, int status) {
-  if (status == 414) return uri_too_long();
-  const bool was_line_read = !raw.path.empty();
-  if (status == 400 && was_line_read) {
-    return problem_response(431, "headers_too_large",
-                            "The headers do not end, or one has more than 8192 bytes.");
-  }
-  return problem_response(status, "malformed", "The request cannot be read.");
-}
-
 }  // namespace
 
 struct HttpServer::Impl {
-  explicit Impl(ServerConfig the_config) : config(std::move(the_config)), tokens(config.tokens) {}
+  explicit Impl(ServerConfig the_config)
+      : config(std::move(the_config)),
+        tokens(std::make_shared<const TokenTable>(config.tokens)),
+        hosts(config.listen, config.allowed_hosts) {}
 
   ServerConfig config;
-  TokenTable tokens;
+  std::mutex tokens_mutex;
+  std::shared_ptr<const TokenTable> tokens;
+  HostCheck hosts;  ///< Used where there are no tokens.
   Services services;
   Router router;
   StaticFiles files;
   std::string id_prefix = random_prefix();
   std::atomic<std::uint64_t> next_id{1};
   std::atomic<std::size_t> in_work{0};
-  int listen_fd = -1;
   int port = 0;
-  ConnectionServer http;
+  LibraryServer http;
+  std::optional<ConnectionLoop> connections;
+  std::optional<WorkerPool> workers;  ///< Ends first: its jobs use all of the above.
 
+  std::shared_ptr<const TokenTable> current_tokens();
   Result<void> open_services();
-  Result<void> bind();
+  void open_connections(ListenSocket listener);
   void set_up_http();
+  bool dispatch(const RequestInWorkPtr& request);
+  void work(const RequestInWorkPtr& request);
 
   void serve(const httplib::Request& raw, httplib::Response& out,
              const httplib::ContentReader* reader);
   void refuse_unread(const httplib::Request& raw, httplib::Response& out);
+  std::string refuse_head(const Refusal& refusal);
   std::string next_request_id() { return id_prefix + "-" + std::to_string(next_id++); }
   Response answer(Exchange& exchange);
   Response answer_by_route(Exchange& exchange);
   Response answer_by_file(Exchange& exchange, const PathSegments& path);
   std::optional<Response> refuse(Exchange& exchange, Access access);
+  std::optional<Response> refuse_foreign_page(const httplib::Request& raw) const;
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
+
+std::shared_ptr<const TokenTable> HttpServer::Impl::current_tokens() {
+  const std::lock_guard lock(tokens_mutex);
+  return tokens;
+}
 
 Result<void> HttpServer::Impl::open_services() {
   auto stores = StoreAccess::open(config.database);
   if (!stores) return stores.error();
   services.stores = *stores;
   services.limits = config.request_limits;
+  services.min_free_bytes = config.min_free_bytes;
   services.draining = std::make_shared<std::atomic<bool>>(false);
   services.events = std::make_shared<EventHub>(config.max_event_clients);
   services.metrics = std::make_shared<Metrics>();
@@ -183,7 +180,13 @@ Result<void> HttpServer::Impl::open_services() {
                 if (!events->is_watched(session)) return;
                 if (const auto event = last_answer_event(view())) events->publish(session, *event);
               },
-          .idle_time = std::chrono::minutes(config.session_idle_minutes)});
+          .idle_time = std::chrono::minutes(config.session_idle_minutes),
+          .max_session_bytes = config.max_session_bytes,
+          .max_sessions_per_robot = config.max_sessions_per_robot,
+          .expired_before =
+              [days = std::chrono::days(config.session_expiry_days)] {
+                return time_text(std::chrono::system_clock::now() - days);
+              }});
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
   files.mount("vendor/leaflet", config.leaflet_root);
@@ -191,18 +194,8 @@ Result<void> HttpServer::Impl::open_services() {
 }
 
 void HttpServer::Impl::set_up_http() {
-  http.new_task_queue = [this] {
-    return new PoolQueue(config.worker_threads, std::chrono::milliseconds(config.queue_timeout_ms));
-  };
-  http.set_tcp_nodelay(true);
   http.set_keep_alive_max_count(kKeepAliveRequests);
   http.set_keep_alive_timeout(config.keep_alive_timeout_s);
-  http.set_socket_options([this](socket_t socket) {
-    // Not SO_REUSEPORT: two servers would share the port and split the robots between them.
-    const int on = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    listen_fd = socket;
-  });
   const auto serve_with_body = [this](const httplib::Request& raw, httplib::Response& out,
                                       const httplib::ContentReader& reader) {
     serve(raw, out, &reader);
@@ -220,7 +213,7 @@ void HttpServer::Impl::set_up_http() {
   http.Put(kAnyPath, serve_with_body);
   http.Patch(kAnyPath, serve_with_body);
   http.Delete(kAnyPath, serve_with_body);
-  // What the library refuses by itself: a broken request line, endless headers.
+  // What the library refuses by itself: a method that it does not know, say.
   const httplib::Server::HandlerWithResponse refuse_broken = [this](const httplib::Request& raw,
                                                                     httplib::Response& out) {
     using Handled = httplib::Server::HandlerResponse;
@@ -235,32 +228,56 @@ void HttpServer::Impl::set_up_http() {
   });
 }
 
-Result<void> HttpServer::Impl::bind() {
-  const bool any_port = config.port == 0;
-  const int bound = any_port ? http.bind_to_any_port(config.listen)
-                             : (http.bind_to_port(config.listen, config.port) ? config.port : -1);
-  if (bound <= 0) {
-    return Error{ErrorCode::kUnavailable,
-                 "cannot bind " + config.listen + ":" + std::to_string(config.port) + ": " +
-                     std::strerror(errno),
-                 "/listen"};
-  }
-  port = bound;
-  // The library listens with a backlog of 5.
-  if (::listen(listen_fd, kListenBacklog) != 0) {
-    return Error{ErrorCode::kUnavailable, std::string("cannot listen: ") + std::strerror(errno),
-                 ""};
-  }
-  return {};
+void HttpServer::Impl::open_connections(ListenSocket listener) {
+  connections.emplace(
+      std::move(listener),
+      ConnectionLimits{.connections = config.max_connections,
+                       .connections_per_address = config.max_connections_per_address,
+                       .streamed_requests = kStreamedRequests,
+                       .idle_timeout = std::chrono::seconds(config.keep_alive_timeout_s),
+                       .drain_timeout = std::chrono::seconds(config.drain_timeout_s)},
+      [this](const RequestInWorkPtr& request) { return dispatch(request); },
+      [this](const Refusal& refusal) { return refuse_head(refusal); });
+  // Event streams and large bodies wait for their clients: they have threads beside the workers.
+  workers.emplace(config.worker_threads + config.max_event_clients + kStreamedRequests,
+                  std::chrono::milliseconds(config.queue_timeout_ms));
+}
+
+bool HttpServer::Impl::dispatch(const RequestInWorkPtr& request) {
+  // The loop limits large bodies, which wait for their clients, as do event streams.
+  const bool is_counted = !request->is_streamed();
+  const std::size_t limit = config.max_requests_in_work + services.events->count();
+  if (is_counted && in_work >= limit) return false;
+  in_work += is_counted ? 1U : 0U;
+  workers->enqueue([this, request, is_counted] {
+    work(request);
+    in_work -= is_counted ? 1U : 0U;
+  });
+  return true;
+}
+
+void HttpServer::Impl::work(const RequestInWorkPtr& request) {
+  RequestStream stream(*request);
+  const bool is_kept = http.answer(stream) && !request->is_streamed();
+  connections->finish(request, stream.take_unsent(), is_kept);
 }
 
 void HttpServer::Impl::refuse_unread(const httplib::Request& raw, httplib::Response& out) {
   Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
   exchange.close = true;
   exchange.request.id = next_request_id();
-  Response response = unread_problem(raw, out.status);
+  Response response = problem_response(out.status, "malformed", "The request cannot be read.");
   spdlog::info("{} {} was not read: {}", exchange.request.id, raw.method, response.status);
   write(exchange, std::move(response), out);
+}
+
+std::string HttpServer::Impl::refuse_head(const Refusal& refusal) {
+  Response response = problem_response(refusal.status, refusal.code, refusal.detail);
+  const std::string id = next_request_id();
+  spdlog::info("{} was not read: {} {}", id, refusal.status, refusal.detail);
+  services.metrics->count_request("none", "none", refusal.status, 0.0);
+  add_common_headers(response, id);
+  return last_answer(response);
 }
 
 void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out,
@@ -272,18 +289,16 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
   exchange.request.id = next_request_id();
   exchange.request.method = raw.method;
 
-  ++in_work;
   Response response;
   try {
     response = answer(exchange);
-    drop_body(exchange);
+    exchange.close |= is_left_unread(exchange);
   } catch (const std::exception& exception) {
     spdlog::error("{} {}", exchange.request.id, exception.what());
     response =
         problem_response(500, "internal", "The server's log has the details, by the request's id.");
     exchange.close = true;
   }
-  --in_work;
 
   const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - begin).count();
   services.metrics->count_request(raw.method, exchange.route, response.status, ms / 1e3);
@@ -294,21 +309,12 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
 
 Response HttpServer::Impl::answer(Exchange& exchange) {
   const httplib::Request& raw = exchange.raw;
-  if (exchange.framing.kind == Framing::Kind::kBad) {
-    return problem_response(400, "malformed",
-                            "Content-Length and Transfer-Encoding do not say where the body ends.");
-  }
-  if (WorkerPool::is_shedding() || in_work > config.max_requests_in_work) {
-    exchange.close |= WorkerPool::is_shedding();
+  if (WorkerPool::is_shedding()) {
     return problem_response(503, "busy", "Too many requests are in work; try again.");
   }
   if (raw.target.size() > kMaxTargetLength) return uri_too_long();
   if (raw.ranges.size() > 1) {
     return problem_response(416, "range_not_satisfiable", "Ask for one range at most.");
-  }
-  if (!may_have_body(raw.method) && exchange.framing.kind != Framing::Kind::kNone) {
-    exchange.close |=
-        exchange.framing.kind == Framing::Kind::kChunked || exchange.framing.length > 0;
   }
   return answer_by_route(exchange);
 }
@@ -354,13 +360,33 @@ Response HttpServer::Impl::answer_by_file(Exchange& exchange, const PathSegments
   return response ? *response : problem_response(404, "not_found", "There is no such path.");
 }
 
+std::optional<Response> HttpServer::Impl::refuse_foreign_page(const httplib::Request& raw) const {
+  const std::string host = raw.get_header_value("Host");
+  if (!host.empty() && !hosts.allows_host(host)) {
+    return problem_response(421, "misdirected_request",
+                            "Host " + host +
+                                " is not known as a name of this server: configure tokens, or add "
+                                "it to allowed_hosts.");
+  }
+  const bool is_foreign =
+      raw.has_header("Origin") && !hosts.allows_origin(raw.get_header_value("Origin"), host);
+  if (raw.method != "GET" && raw.method != "HEAD" && is_foreign) {
+    return problem_response(403, "forbidden", "Another site's page may not change anything here.");
+  }
+  return std::nullopt;
+}
+
 std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access access) {
   const httplib::Request& raw = exchange.raw;
   if (raw.method != "GET" && raw.method != "HEAD" && is_cross_site(raw)) {
     return problem_response(403, "forbidden", "Another site's page may not change anything here.");
   }
   if (access == Access::kPublic) return std::nullopt;
-  const auto principal = tokens.identify(raw.get_header_value("Authorization"));
+  const auto known_tokens = current_tokens();
+  if (known_tokens->is_empty()) {
+    if (auto refusal = refuse_foreign_page(raw)) return refusal;
+  }
+  const auto principal = known_tokens->identify(raw.get_header_value("Authorization"));
   if (!principal) {
     Response response = problem_response(401, "unauthorized", "Send Authorization: Bearer TOKEN.");
     response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"cornerfix\"");
@@ -374,23 +400,18 @@ std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access acce
 }
 
 void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Response& out) {
-  const bool close = exchange.close || *services.draining;
   exchange.raw.ranges.clear();  // A whole answer to a range is allowed (RFC 9110, 14.2).
-  if (close) {
+  if (exchange.close || *services.draining) {
     exchange.raw.headers.erase("Connection");
     exchange.raw.headers.emplace("Connection", "close");
   }
+  add_common_headers(response, exchange.request.id);
   out.status = response.status;
-  out.set_header("X-Request-Id", exchange.request.id);
-  out.set_header("X-Content-Type-Options", "nosniff");
-  out.set_header("Content-Security-Policy", kContentSecurityPolicy);
-  out.set_header("Referrer-Policy", "no-referrer");
-  out.set_header("Vary", "Accept, Accept-Encoding, Authorization");
   for (const auto& [name, value] : response.headers) out.set_header(name.c_str(), value);
-  if (!out.has_header("Cache-Control")) out.set_header("Cache-Control", "no-store");
   if (response.events) {
     out.set_chunked_content_provider(
         response.content_type, [events = response.events](std::size_t, httplib::DataSink& sink) {
+          if (!sink.is_writable()) return false;
           const auto piece = events->next(kHeartbeat);
           if (piece) return sink.write(piece->data(), piece->size());
           sink.done();
@@ -398,29 +419,18 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
         });
     return;
   }
-  if (response.body.empty()) return;
-  if (!close) {
-    out.set_content(response.body, response.content_type);
-    return;
-  }
-  // The library closes a connection whose content provider fails; this one does, once all is said.
-  const auto body = std::make_shared<const std::string>(std::move(response.body));
-  out.set_content_provider(body->size(), response.content_type,
-                           [body](std::size_t, std::size_t, httplib::DataSink& sink) {
-                             sink.write(body->data(), body->size());
-                             return false;
-                           });
+  if (!response.body.empty()) out.set_content(response.body, response.content_type);
 }
 
 Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config) {
   auto impl = std::make_unique<Impl>(config);
   // The port first: where it is taken, no new database is left behind.
+  auto listener = ListenSocket::open(config.listen, config.port);
+  if (!listener) return listener.error();
+  impl->port = listener->port();
+  if (auto opened = impl->open_services(); !opened) return opened.error();
   impl->set_up_http();
-  if (auto bound = impl->bind(); !bound) return bound.error();
-  if (auto opened = impl->open_services(); !opened) {
-    ::close(impl->listen_fd);
-    return opened.error();
-  }
+  impl->open_connections(std::move(*listener));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
 }
 
@@ -430,16 +440,22 @@ HttpServer::~HttpServer() = default;
 int HttpServer::port() const { return impl_->port; }
 
 bool HttpServer::run() {
-  // It ends when drain() shuts the socket down, which the library takes for a failure.
-  impl_->http.listen_after_bind();
-  return *impl_->services.draining;
+  const bool was_drained = impl_->connections->run();
+  impl_->workers->shutdown();
+  return was_drained;
+}
+
+void HttpServer::set_tokens(std::vector<Token> tokens) {
+  auto table = std::make_shared<const TokenTable>(std::move(tokens));
+  const std::lock_guard lock(impl_->tokens_mutex);
+  impl_->tokens = std::move(table);
 }
 
 void HttpServer::drain() {
   *impl_->services.draining = true;
   impl_->services.events->close();
   impl_->services.reports->close();
-  ::shutdown(impl_->listen_fd, SHUT_RDWR);
+  impl_->connections->drain();
 }
 
 }  // namespace cornerfix::server

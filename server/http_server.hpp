@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <cornerfix/result.hpp>
 
@@ -24,6 +25,9 @@ class HttpServer {
   /// Serves until drain() is called; then finishes what is open and returns true. False when the
   /// socket failed.
   [[nodiscard]] bool run();
+
+  /// Requests are checked by these tokens from now on. Any thread may call.
+  void set_tokens(std::vector<Token> tokens);
 
   /// Takes no new connection, answers what was sent, closes every connection with its next
   /// answer. Any thread may call, also before run().

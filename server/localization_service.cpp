@@ -9,6 +9,8 @@
 #include <random>
 #include <utility>
 
+#include "server/batch_digest.hpp"
+
 namespace cornerfix::server {
 
 using storage::MapInfo;
@@ -22,6 +24,8 @@ namespace {
 constexpr std::size_t kMapsAPage = 1000;
 constexpr int kMaxAttempts = 3;
 constexpr std::chrono::seconds kSweepInterval{30};
+/// Of a session with its localizer: 1,000 sessions of one batch each took 2.4 GB.
+constexpr std::size_t kLiveSessionBytes = 2'500'000;
 
 /// 128 random bits: nobody guesses another robot's session.
 std::string make_session_id() {
@@ -91,11 +95,17 @@ Error no_such_session(const std::string& id) {
 /// list. In the store and in `stored_state` it is the map's id itself, because by the time it is
 /// read the list may be another.
 struct LocalizationService::Session {
+  explicit Session(std::atomic<std::size_t>& live_sessions) : live_sessions_(live_sessions) {}
+  ~Session() { drop_localizer(); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
   std::mutex mutex;
   SessionRecord record;  ///< Without the state.
   api::Lidar lidar;
   LocalizerParams params;
   std::atomic<Status> status = Status::kCollecting;  ///< Counted without the mutex.
+  std::atomic<bool> is_live = false;                 ///< Has a localizer; read without the mutex.
   LocalizerState stored_state;                       ///< What the next localizer goes on from.
   std::optional<Localizer> localizer;  ///< Made when the first batch comes; ahead of the above.
   std::vector<std::int64_t> map_ids;   ///< In the localizer's order.
@@ -111,6 +121,7 @@ struct LocalizationService::Session {
     return {.id = record.id,
             .robot = record.robot,
             .created = record.created,
+            .last_seen = record.last_used,
             .maps = record.maps,
             .lidar_json = record.lidar_json,
             .options_json = record.options_json,
@@ -145,10 +156,22 @@ struct LocalizationService::Session {
       if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
     }
     status = state.status;
+    if (!localizer) ++live_sessions_;
     localizer.emplace(std::move(maps), params, clock);
     localizer->restore(std::move(state));
     map_ids = std::move(ids);
+    is_live = true;
   }
+
+  void drop_localizer() {
+    if (localizer) --live_sessions_;
+    localizer.reset();
+    map_ids.clear();
+    is_live = false;
+  }
+
+ private:
+  std::atomic<std::size_t>& live_sessions_;
 };
 
 /// A session held for this thread alone.
@@ -171,27 +194,39 @@ LocalizationService::LocalizationService(std::shared_ptr<StoreAccess> stores,
 
 LocalizationService::~LocalizationService() = default;
 
-Result<SessionView> LocalizationService::create(const api::CreateSessionRequest& request) {
+Result<std::optional<SessionView>> LocalizationService::create(
+    const api::CreateSessionRequest& request) {
   std::vector<std::int64_t> map_ids;
   for (const std::string& map : request.maps) {
     const auto info = maps_->find(map);
     if (!info) return info.error();
     map_ids.push_back(info->id);
   }
+  const std::string now = settings_.now();
   const SessionRecord record{.id = make_session_id(),
                              .robot = request.robot,
-                             .created = settings_.now(),
+                             .created = now,
                              .maps = request.maps,
                              .lidar_json = request.lidar_json,
                              .options_json = request.options_json,
                              .expected_sequence = 0,
                              .last_answer = {},
                              .state = {},
-                             .map_ids = std::move(map_ids)};
-  const auto inserted =
-      stores_->with_sessions([&](SessionStore& sessions) { return sessions.insert(record); });
+                             .map_ids = std::move(map_ids),
+                             .last_used = now};
+  bool has_room = false;
+  const auto inserted = stores_->with_sessions([&](SessionStore& sessions) -> Result<void> {
+    const auto count = sessions.count(request.robot);
+    if (!count) return count.error();
+    has_room = *count < settings_.max_sessions_per_robot;
+    if (!has_room) return {};
+    return sessions.insert(record);
+  });
   if (!inserted) return inserted.error();
-  return find(record.id);
+  if (!has_room) return std::optional<SessionView>();
+  auto view = find(record.id);
+  if (!view) return view.error();
+  return std::optional(std::move(*view));
 }
 
 Result<SessionView> LocalizationService::find(const std::string& id) {
@@ -217,22 +252,30 @@ SessionCounts LocalizationService::count_by_status() {
   return counts;
 }
 
-Result<std::vector<SessionView>> LocalizationService::list() {
-  auto records = stores_->with_session_list([](SessionStore& sessions) { return sessions.all(); });
+Result<SessionList> LocalizationService::list(const SessionListRequest& request) {
+  auto records = stores_->with_session_list([&](SessionStore& sessions) {
+    return sessions.list(
+        {.robot = request.robot, .after = request.after, .limit = request.limit + 1});
+  });
   if (!records) return records.error();
-  std::vector<SessionView> views;
-  for (SessionRecord& record : *records) {
-    views.push_back({.id = std::move(record.id),
-                     .robot = std::move(record.robot),
-                     .created = std::move(record.created),
-                     .maps = std::move(record.maps),
-                     .lidar_json = std::move(record.lidar_json),
-                     .options_json = std::move(record.options_json),
-                     .expected_sequence = record.expected_sequence,
-                     .status = record.state.status,
-                     .last_answer = std::move(record.last_answer)});
+  SessionList list;
+  if (records->size() > request.limit) {
+    records->pop_back();
+    list.next = records->back().number;
   }
-  return views;
+  for (SessionRecord& record : *records) {
+    list.sessions.push_back({.id = std::move(record.id),
+                             .robot = std::move(record.robot),
+                             .created = std::move(record.created),
+                             .last_seen = std::move(record.last_used),
+                             .maps = std::move(record.maps),
+                             .lidar_json = std::move(record.lidar_json),
+                             .options_json = std::move(record.options_json),
+                             .expected_sequence = record.expected_sequence,
+                             .status = record.state.status,
+                             .last_answer = std::move(record.last_answer)});
+  }
+  return list;
 }
 
 Result<void> LocalizationService::remove(const std::string& id) {
@@ -247,11 +290,14 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
     Session& session = **locked;
     session.is_current = false;  // Until the store has it too.
     const LocalizerState forgotten;
+    const std::string now = settings_.now();
     const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                         .expected_sequence = session.record.expected_sequence,
                                         .last_answer = session.record.last_answer,
                                         .state = &forgotten,
-                                        .beams = session.lidar.beams.value_or(0)};
+                                        .beams = session.lidar.beams.value_or(0),
+                                        .now = now,
+                                        .last_batch = session.record.last_batch};
     const auto saved =
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
@@ -261,6 +307,7 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
     session.status = Status::kCollecting;
     session.last_scan.reset();
     session.feature_points.clear();
+    session.record.last_used = now;
     session.is_current = true;
     return session.view();
   }
@@ -287,6 +334,10 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
       return outcome;
     }
     if (expected > 0 && request.sequence == expected - 1) {
+      const std::uint64_t known = session.record.last_batch;
+      if (known != 0 && known != digest_of(request.scans)) {
+        return BatchOutcome{.expected_sequence = expected, .is_another_batch = true};
+      }
       return BatchOutcome{.answer = session.record.last_answer};
     }
     return BatchOutcome{.expected_sequence = expected};
@@ -307,7 +358,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
   session.lidar.beams = last.scan.ranges.size();
-  if (auto saved = save(session, request.sequence + 1, answer); !saved) return saved.error();
+  if (auto saved = save(session, request, answer); !saved) return saved.error();
   session.status = batch.answer.status;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
@@ -318,19 +369,24 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   return BatchOutcome{.answer = answer};
 }
 
-Result<void> LocalizationService::save(Session& session, std::uint64_t expected_sequence,
+Result<void> LocalizationService::save(Session& session, const api::SessionScansRequest& request,
                                        const std::string& answer) {
   const LocalizerState state = session.state();
+  const std::string now = settings_.now();
   const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
-                                      .expected_sequence = expected_sequence,
+                                      .expected_sequence = request.sequence + 1,
                                       .last_answer = answer,
                                       .state = &state,
-                                      .beams = session.lidar.beams.value_or(0)};
+                                      .beams = session.lidar.beams.value_or(0),
+                                      .now = now,
+                                      .last_batch = digest_of(request.scans)};
   auto saved = stores_->with_sessions(
       [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
   if (!saved) return saved;
-  session.record.expected_sequence = expected_sequence;
+  session.record.expected_sequence = update.expected_sequence;
+  session.record.last_batch = update.last_batch;
   session.record.last_answer = answer;
+  session.record.last_used = now;
   return {};
 }
 
@@ -357,7 +413,7 @@ Result<LocalizationService::LockedSession> LocalizationService::lock(const std::
   {
     const std::lock_guard lock(table_mutex_);
     std::shared_ptr<Session>& entry = table_[id];
-    if (!entry) entry = std::make_shared<Session>();
+    if (!entry) entry = std::make_shared<Session>(live_sessions_);
     entry->last_used = now;
     session = entry;
   }
@@ -397,8 +453,7 @@ Result<void> LocalizationService::refresh(Session& session) {
     if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);
   }
   session.status = session.stored_state.status;
-  session.localizer.reset();
-  session.map_ids.clear();
+  session.drop_localizer();
   session.last_scan.reset();
   session.feature_points.clear();
   session.is_current = true;
@@ -425,6 +480,7 @@ Result<void> LocalizationService::use_current_maps(Session& session) {
   }
   session.use_maps(std::move(maps), std::move(ids), settings_.clock_ms);
   session.maps_epoch = session.epoch;
+  park_least_used();
   return {};
 }
 
@@ -462,14 +518,44 @@ void LocalizationService::forget(const std::string& id) {
 }
 
 void LocalizationService::forget_idle(SteadyClock::time_point now) {
+  {
+    const std::lock_guard lock(table_mutex_);
+    if (now < next_sweep_) return;
+    next_sweep_ = now + kSweepInterval;
+    // One in use is held by its user too.
+    std::erase_if(table_, [&](const auto& entry) {
+      const auto& session = entry.second;
+      return session.use_count() == 1 && now - session->last_used > settings_.idle_time;
+    });
+  }
+  remove_expired();
+}
+
+void LocalizationService::remove_expired() {
+  if (!settings_.expired_before) return;
+  const std::string time = settings_.expired_before();
+  const auto removed = stores_->with_sessions(
+      [&](SessionStore& sessions) { return sessions.remove_unused_since(time); });
+  if (!removed) spdlog::warn("expired sessions could not be removed: {}", removed.error().message);
+  if (removed && *removed > 0) spdlog::info("removed {} expired sessions", *removed);
+}
+
+/// Leaves a tenth of the room free, so that not every batch has to look.
+void LocalizationService::park_least_used() {
+  const std::size_t most =
+      std::max<std::size_t>(1, settings_.max_session_bytes / kLiveSessionBytes);
+  if (live_sessions_ <= most) return;
   const std::lock_guard lock(table_mutex_);
-  if (now < next_sweep_) return;
-  next_sweep_ = now + kSweepInterval;
-  // One in use is held by its user too.
-  std::erase_if(table_, [&](const auto& entry) {
-    const auto& session = entry.second;
-    return session.use_count() == 1 && now - session->last_used > settings_.idle_time;
-  });
+  std::vector<std::pair<SteadyClock::time_point, std::string>> parkable;
+  for (const auto& [id, session] : table_) {
+    // One in use is held by its user too.
+    if (session->is_live && session.use_count() == 1) parkable.emplace_back(session->last_used, id);
+  }
+  const std::size_t live = live_sessions_;
+  const std::size_t surplus = live - std::min(live, most - most / 10);
+  std::ranges::sort(parkable);
+  parkable.resize(std::min(parkable.size(), surplus));
+  for (const auto& [last_used, id] : parkable) table_.erase(id);
 }
 
 }  // namespace cornerfix::server

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -28,6 +29,7 @@ struct SessionView {
   std::string id;
   std::string robot;
   std::string created;            ///< RFC 3339, UTC.
+  std::string last_seen;          ///< When it took its last batch, or was created.
   std::vector<std::string> maps;  ///< As asked for; empty: every map.
   std::string lidar_json, options_json;
   std::uint64_t expected_sequence = 0;
@@ -69,6 +71,8 @@ struct SessionHead {
 struct BatchOutcome {
   /// Set when the batch was not the next one: nothing was done, and this one is awaited.
   std::optional<std::uint64_t> expected_sequence{};
+  /// Its sequence was that of the last batch, but its scans were others: nothing was done.
+  bool is_another_batch = false;
   std::string answer{};  ///< Rendered; the same bytes whenever the batch is posted again.
 };
 
@@ -78,6 +82,22 @@ struct LocalizationServiceSettings {
   Localizer::Clock clock_ms;           ///< For the timing in answers; may be empty.
   BatchListener on_batch;              ///< Called after a batch was stored; may be empty.
   std::chrono::minutes idle_time{30};  ///< Then a session is kept in the store only.
+  /// Of sessions in memory. Above it those not used for longest are kept in the store only.
+  std::size_t max_session_bytes = std::size_t{2} << 30U;
+  std::size_t max_sessions_per_robot = 100;
+  NowText expired_before{};  ///< Sessions last used before this time are removed; may be empty.
+};
+
+/// Which sessions to list.
+struct SessionListRequest {
+  std::string robot{};     ///< Its sessions only; empty: those of all robots.
+  std::int64_t after = 0;  ///< `next` of the page before.
+  std::size_t limit = 1000;
+};
+
+struct SessionList {
+  std::vector<SessionView> sessions;   ///< By creation.
+  std::optional<std::int64_t> next{};  ///< Set when there are more.
 };
 
 /// Sessions live in memory while robots post, and in the store always: what was answered survives
@@ -90,13 +110,13 @@ class LocalizationService {
                       LocalizationServiceSettings settings);
   ~LocalizationService();
 
-  /// kNotFound when a map is unknown.
-  [[nodiscard]] Result<SessionView> create(const api::CreateSessionRequest& request);
+  /// kNotFound when a map is unknown. Nothing when the robot has as many sessions as it may have.
+  [[nodiscard]] Result<std::optional<SessionView>> create(const api::CreateSessionRequest& request);
   [[nodiscard]] Result<SessionView> find(const std::string& id);
   /// The same while the session is held: no batch is answered until `look` returns.
   [[nodiscard]] Result<void> visit(const std::string& id,
                                    const std::function<void(const SessionView&)>& look);
-  [[nodiscard]] Result<std::vector<SessionView>> list();
+  [[nodiscard]] Result<SessionList> list(const SessionListRequest& request);
   /// Those in memory only.
   [[nodiscard]] SessionCounts count_by_status();
   [[nodiscard]] Result<void> remove(const std::string& id);
@@ -124,15 +144,18 @@ class LocalizationService {
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();
   [[nodiscard]] Result<BatchOutcome> take_batch(Session& session,
                                                 const api::SessionScansRequest& request);
-  [[nodiscard]] Result<void> save(Session& session, std::uint64_t expected_sequence,
+  [[nodiscard]] Result<void> save(Session& session, const api::SessionScansRequest& request,
                                   const std::string& answer);
   void forget(const std::string& id);
   void forget_idle(std::chrono::steady_clock::time_point now);
+  void park_least_used();
+  void remove_expired();
 
   std::shared_ptr<StoreAccess> stores_;
   std::shared_ptr<MapLibrary> maps_;
   LocalizationServiceSettings settings_;
 
+  std::atomic<std::size_t> live_sessions_ = 0;  ///< Sessions with a localizer.
   std::mutex table_mutex_;
   std::unordered_map<std::string, std::shared_ptr<Session>> table_;
   std::chrono::steady_clock::time_point next_sweep_;

@@ -7,16 +7,20 @@ namespace cornerfix::server {
 
 LocalizationMapPtr MapCache::find(const Key& key) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(entries_, key, &Entry::key);
-  if (found == entries_.end()) return nullptr;
-  entries_.splice(entries_.begin(), entries_, found);
-  return entries_.front().map;
+  if (const auto found = std::ranges::find(entries_, key, &Entry::key); found != entries_.end()) {
+    entries_.splice(entries_.begin(), entries_, found);
+    return entries_.front().map;
+  }
+  const auto known = known_.find(key);
+  return known == known_.end() ? nullptr : known->second.lock();
 }
 
 void MapCache::keep(const Key& key, const LocalizationMapPtr& map) {
   const std::lock_guard lock(mutex_);
   entries_.remove_if([&](const Entry& old) { return old.key.first == key.first; });
   entries_.push_front({key, map, map->bytes()});
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  known_.insert_or_assign(key, map);
   std::size_t bytes = 0;
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     bytes += entry->bytes;

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -16,7 +18,8 @@ struct MapCacheUse {
   std::size_t bytes = 0;
 };
 
-/// One revision a map, those last asked for as far as they have room. Any threads may call.
+/// One revision per map, those last asked for as far as they have room. A map without room is still
+/// found as long as somebody else holds it. Any threads may call.
 class MapCache {
  public:
   using Key = std::pair<std::int64_t, std::uint64_t>;  ///< Map id and revision.
@@ -38,7 +41,8 @@ class MapCache {
 
   std::size_t max_bytes_;
   std::mutex mutex_;
-  std::list<Entry> entries_;  ///< Last used first.
+  std::list<Entry> entries_;                                   ///< Last used first.
+  std::map<Key, std::weak_ptr<const LocalizationMap>> known_;  ///< Also those without room.
 };
 
 }  // namespace cornerfix::server

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <type_traits>
 
 #include <cornerfix/grid_mapping.hpp>
@@ -21,6 +22,8 @@ using storage::MapStore;
 namespace {
 
 constexpr int kMaxRevisionAttempts = 3;
+/// A map_server yaml has less than 1 kB. A parsed one takes 40 times the memory of its text.
+constexpr std::size_t kMaxYamlBytes = std::size_t{64} << 10U;
 
 /// Whether another process came in between, so that trying again on its result makes sense.
 /// Not when the map is of the wrong kind: that will not change.
@@ -303,6 +306,12 @@ Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
 
 Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
                                                  std::span<const std::byte> image) {
+  if (yaml.size() > kMaxYamlBytes) {
+    return Error{ErrorCode::kTooLarge,
+                 "the yaml has " + std::to_string(yaml.size()) + " bytes, expected at most " +
+                     std::to_string(kMaxYamlBytes),
+                 "/yaml"};
+  }
   const auto floor_map = parse_map(yaml, image);
   if (!floor_map) return at_form(floor_map.error());
   auto report = retrying([&] { return put_floor_map_once(name, *floor_map); });

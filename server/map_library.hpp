@@ -80,7 +80,7 @@ class MapLibrary {
                                              std::span<const RobotScan> scans);
 
   /// Makes the map from a ROS floor map alone; a map made so before is made anew, in its frame and
-  /// with its parameters. kConflict for a map that holds scans.
+  /// with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
   [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
                                                      std::span<const std::byte> image);
 

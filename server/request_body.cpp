@@ -2,9 +2,7 @@
 
 #include <strings.h>
 
-#include <algorithm>
-#include <charconv>
-#include <chrono>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -12,6 +10,7 @@
 #include <variant>
 
 #include "server/body_buffer.hpp"
+#include "server/connection.hpp"
 #include "server/media_types.hpp"
 #include "server/responses.hpp"
 
@@ -21,13 +20,9 @@
 namespace cornerfix::server {
 namespace {
 
-using BodyClock = std::chrono::steady_clock;
-
-constexpr std::chrono::seconds kBodyDeadline{30};  // For all of it, however steadily it drips.
 constexpr const char* kEmptyObject = "{}";
 constexpr std::size_t kMaxArchiveBytes = std::size_t{256} << 20U;
 constexpr std::size_t kMaxFormParts = 8;
-constexpr std::size_t kMaxDroppedBytes = std::size_t{64} << 20U;
 
 /// Reads the body as it comes over the wire. Without these headers the library neither inflates,
 /// which it does without a limit, nor looks for the parts of a form.
@@ -47,21 +42,18 @@ Response too_large(std::size_t limit) {
 /// The body, inflated; or the answer to a body that is not to be had.
 std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std::size_t limit) {
   if (exchange.framing.length > limit) return too_large(limit);
-  const auto deadline = BodyClock::now() + kBodyDeadline;
   BodyBuffer buffer(gzip, limit);
   std::size_t received = 0;
-  bool is_too_late = false;
   const bool is_complete = read_raw(exchange, [&](const char* data, std::size_t size) {
     received += size;
-    is_too_late = BodyClock::now() >= deadline;
-    buffer.append({data, size});
-    return !is_too_late && received <= std::max(limit, kMaxDroppedBytes);
+    // What has arrived already is read to its end, so that the connection can be kept.
+    return buffer.append({data, size}) == BodyBuffer::State::kGood || received <= kMaxBufferedBody;
   });
   exchange.close |= !is_complete;
-  if (is_too_late) return problem_response(408, "timeout", "The body took too long to arrive.");
   const BodyBuffer::State state = buffer.finish();
   if (state == BodyBuffer::State::kTooLarge) return too_large(limit);
-  if (!is_complete) return problem_response(400, "malformed", "The body ended early.");
+  if (!is_complete)
+    return problem_response(400, "malformed", "The body ended early, or came too slowly.");
   if (state == BodyBuffer::State::kBadGzip) {
     return problem_response(400, "malformed", "The body is not gzip, or ends early.");
   }
@@ -72,7 +64,6 @@ std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std
 std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& exchange,
                                                                      std::size_t limit) {
   if (exchange.framing.length > limit) return too_large(limit);
-  const auto deadline = BodyClock::now() + kBodyDeadline;
   std::map<std::string, std::string> parts;
   std::string* part = nullptr;
   std::size_t received = 0;
@@ -90,7 +81,7 @@ std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& e
       [&](const char* data, std::size_t size) {
         received += size;
         is_too_large = received > limit;
-        if (is_too_large || BodyClock::now() >= deadline) return false;
+        if (is_too_large) return false;
         part->append(data, size);
         return true;
       });
@@ -125,20 +116,9 @@ std::optional<Response> take_form(Exchange& exchange, std::size_t limit) {
 }  // namespace
 
 Framing framing_of(const httplib::Request& raw) {
-  const bool has_encoding = raw.has_header("Transfer-Encoding");
-  const std::size_t lengths = raw.get_header_value_count("Content-Length");
-  if (has_encoding) {
-    const bool is_chunked =
-        strcasecmp(raw.get_header_value("Transfer-Encoding").c_str(), "chunked") == 0;
-    // Both together is how requests are smuggled past a proxy.
-    return {is_chunked && lengths == 0 ? Framing::Kind::kChunked : Framing::Kind::kBad};
-  }
-  if (lengths == 0) return {};
-  const std::string text = raw.get_header_value("Content-Length");
-  Framing framing{Framing::Kind::kLength};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), framing.length);
-  const bool is_number = error == std::errc{} && end == text.data() + text.size();
-  return is_number && lengths == 1 ? framing : Framing{Framing::Kind::kBad};
+  if (raw.has_header("Transfer-Encoding")) return {Framing::Kind::kChunked};
+  if (!raw.has_header("Content-Length")) return {};
+  return {Framing::Kind::kLength, raw.get_header_value<std::uint64_t>("Content-Length")};
 }
 
 std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t limit) {
@@ -178,22 +158,10 @@ std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t
   return std::nullopt;
 }
 
-void drop_body(Exchange& exchange) {
-  if (exchange.body_was_read || exchange.framing.kind == Framing::Kind::kNone) return;
-  const bool is_readable = exchange.reader != nullptr &&
-                           exchange.framing.kind != Framing::Kind::kBad &&
-                           exchange.framing.length <= kMaxDroppedBytes;
-  if (!is_readable) {
-    exchange.close = true;
-    return;
-  }
-  const auto deadline = BodyClock::now() + kBodyDeadline;
-  std::size_t dropped = 0;
-  const bool is_complete = read_raw(exchange, [&](const char*, std::size_t size) {
-    dropped += size;
-    return dropped <= kMaxDroppedBytes && BodyClock::now() < deadline;
-  });
-  exchange.close |= !is_complete;
+bool is_left_unread(const Exchange& exchange) {
+  const bool may_still_come = exchange.framing.kind == Framing::Kind::kChunked ||
+                              exchange.framing.length > kMaxBufferedBody;
+  return may_still_come && !exchange.body_was_read;
 }
 
 }  // namespace cornerfix::server

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "server/http_message.hpp"
+#include "server/request_head.hpp"
 #include "server/router.hpp"
 
 namespace httplib {
@@ -17,12 +17,7 @@ class ContentReader;
 
 namespace cornerfix::server {
 
-/// How the body of a request is delimited (RFC 9112, 6).
-struct Framing {
-  enum class Kind { kNone, kLength, kChunked, kBad };
-  Kind kind = Kind::kNone;
-  std::uint64_t length = 0;
-};
+/// Of a request whose head was received by RequestReceiver.
 [[nodiscard]] Framing framing_of(const httplib::Request& raw);
 
 /// One request on its way to its answer.
@@ -41,7 +36,7 @@ struct Exchange {
 [[nodiscard]] std::optional<Response> take_body(Exchange& exchange, BodyRule rule,
                                                 std::size_t limit);
 
-/// Takes what is left of the body off the wire, so that the next request begins where it should.
-void drop_body(Exchange& exchange);
+/// Whether a part of the body may still be on its way, so that the connection has to close.
+[[nodiscard]] bool is_left_unread(const Exchange& exchange);
 
 }  // namespace cornerfix::server

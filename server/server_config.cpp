@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace cornerfix::server {
@@ -86,6 +87,12 @@ const std::map<std::string, Setter, std::less<>>& setters() {
          c.tokens.clear();
          for (const json& token : v) c.tokens.push_back(token_of(token));
        }},
+      {"allowed_hosts",
+       [](auto& c, const json& v) {
+         if (!v.is_array()) throw WrongValue("expected an array of names");
+         c.allowed_hosts.clear();
+         for (const json& host : v) c.allowed_hosts.push_back(text_of(host));
+       }},
       {"web_root", [](auto& c, const json& v) { c.web_root = text_of(v); }},
       {"leaflet_root", [](auto& c, const json& v) { c.leaflet_root = text_of(v); }},
       {"max_body_bytes",
@@ -94,6 +101,10 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        [](auto& c, const json& v) { c.request_limits.max_scans = count_of(v, 1'000'000); }},
       {"max_beams",
        [](auto& c, const json& v) { c.request_limits.max_beams = count_of(v, 10'000'000); }},
+      {"max_connections",
+       [](auto& c, const json& v) { c.max_connections = count_of(v, 1'000'000); }},
+      {"max_connections_per_address",
+       [](auto& c, const json& v) { c.max_connections_per_address = count_of(v, 1'000'000); }},
       {"worker_threads", [](auto& c, const json& v) { c.worker_threads = count_of(v, 10'000); }},
       {"max_requests_in_work",
        [](auto& c, const json& v) { c.max_requests_in_work = count_of(v, 10'000); }},
@@ -107,8 +118,21 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        [](auto& c, const json& v) {
          c.queue_timeout_ms = static_cast<int>(integer_of(v, 1, 60'000));
        }},
+      {"drain_timeout_s",
+       [](auto& c, const json& v) {
+         c.drain_timeout_s = static_cast<int>(integer_of(v, 0, 3600));
+       }},
+      {"min_free_bytes", [](auto& c, const json& v) { c.min_free_bytes = count_of(v, kMaxBytes); }},
       {"max_map_bytes", [](auto& c, const json& v) { c.max_map_bytes = count_of(v, kMaxBytes); }},
       {"max_mappers", [](auto& c, const json& v) { c.max_mappers = count_of(v, 10'000); }},
+      {"max_session_bytes",
+       [](auto& c, const json& v) { c.max_session_bytes = count_of(v, kMaxBytes); }},
+      {"max_sessions_per_robot",
+       [](auto& c, const json& v) { c.max_sessions_per_robot = count_of(v, 1'000'000); }},
+      {"session_expiry_days",
+       [](auto& c, const json& v) {
+         c.session_expiry_days = static_cast<int>(integer_of(v, 1, 36'500));
+       }},
       {"session_idle_minutes",
        [](auto& c, const json& v) {
          c.session_idle_minutes = static_cast<int>(integer_of(v, 1, 1'000'000));
@@ -182,6 +206,13 @@ Result<ServerConfig> load_config(const std::optional<std::filesystem::path>& con
   config.allow_insecure_listen |= flags.allow_insecure_listen;
   if (auto error = validate(config)) return *error;
   return config;
+}
+
+bool is_open_to_others(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto permissions = std::filesystem::status(file, error).permissions();
+  using enum std::filesystem::perms;
+  return !error && (permissions & (group_read | group_write | others_read | others_write)) != none;
 }
 
 std::optional<Error> validate(const ServerConfig& config) {

@@ -24,11 +24,14 @@ struct Token {
 };
 
 struct ServerConfig {
-  std::filesystem::path database;      ///< SQLite file, made when it does not exist.
-  std::string listen = "127.0.0.1";    ///< Address to bind.
-  int port = 8080;                     ///< 0 takes a free one.
+  std::filesystem::path database;  ///< SQLite file, made when it does not exist.
+  std::size_t min_free_bytes = std::size_t{16} << 20U;  ///< On its disk; below, /readyz is 503.
+  std::string listen = "127.0.0.1";                     ///< Address to bind.
+  int port = 8080;                                      ///< 0 takes a free one.
   bool allow_insecure_listen = false;  ///< Bind to more than loopback in spite of having no tokens.
   std::vector<Token> tokens;           ///< Empty: everybody may do everything.
+  /// Names of the server in Host headers, beside those that HostCheck knows. Used without tokens.
+  std::vector<std::string> allowed_hosts;
 
   std::filesystem::path web_root;  ///< The inspector's files; empty: where they were installed.
   std::filesystem::path leaflet_root = "/usr/share/javascript/leaflet";
@@ -36,16 +39,21 @@ struct ServerConfig {
   std::size_t max_body_bytes = std::size_t{16} << 20U;  ///< After decompression.
   api::RequestLimits request_limits;
 
-  /// A keep-alive connection holds a thread, so this is how many robots can be connected.
-  std::size_t worker_threads = 256;
-  std::size_t max_requests_in_work = 256;  ///< More are answered 503.
-  std::size_t max_event_clients = 16;      ///< Each holds a thread for as long as it listens.
-  int keep_alive_timeout_s = 5;            ///< An idle connection polls, so let it go soon.
-  int queue_timeout_ms = 1000;             ///< A connection waiting longer for a thread gets 503.
+  std::size_t max_connections = 16'000;              ///< They hold no threads.
+  std::size_t max_connections_per_address = 12'000;  ///< A proxy's robots all have its address.
+  std::size_t worker_threads = 32;                   ///< Requests answered at the same time.
+  std::size_t max_requests_in_work = 256;            ///< More are answered 503.
+  std::size_t max_event_clients = 16;  ///< Each holds a thread for as long as it listens.
+  int keep_alive_timeout_s = 60;       ///< Then an idle connection is closed.
+  int queue_timeout_ms = 10'000;       ///< A request waiting longer for a thread gets 503.
+  int drain_timeout_s = 5;             ///< After SIGTERM; then connections are closed.
 
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
   std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
   int session_idle_minutes = 30;  ///< Then a session is kept in the database only.
+  std::size_t max_session_bytes = std::size_t{2} << 30U;  ///< Of sessions kept in memory.
+  std::size_t max_sessions_per_robot = 100;               ///< More are answered 429.
+  int session_expiry_days = 30;                           ///< Then an unused session is removed.
 };
 
 /// What the command line said.
@@ -63,6 +71,9 @@ struct ServerFlags {
 /// The settings to run with: defaults, the file (when given), the flags. Checked as a whole.
 [[nodiscard]] Result<ServerConfig> load_config(
     const std::optional<std::filesystem::path>& config_file, const ServerFlags& flags);
+
+/// Whether others than the owner can read or change the file, which is not for one with tokens.
+[[nodiscard]] bool is_open_to_others(const std::filesystem::path& file);
 
 /// The first broken limit, or nothing. Without tokens only loopback may be bound, unless
 /// `allow_insecure_listen` says so.

@@ -23,12 +23,40 @@ Json session_json(const SessionView& view) {
                                       .robot = view.robot,
                                       .maps = view.maps,
                                       .created = view.created,
+                                      .last_seen = view.last_seen,
                                       .expected = view.expected_sequence,
                                       .lidar_json = view.lidar_json,
                                       .options_json = view.options_json,
                                       .last_answer = answer.is_null() ? nullptr : &answer});
   session["status"] = to_string(view.status);
   return session;
+}
+
+constexpr std::size_t kDefaultPage = 100;
+
+/// `limit` and `page_token` of the query.
+std::variant<SessionListRequest, api::Problem> list_request(const Request& request) {
+  SessionListRequest page{.limit = kDefaultPage};
+  // A robot sees its own only.
+  if (request.principal.role == Role::kRobot) page.robot = request.principal.name;
+  if (const auto text = request.parameter("limit")) {
+    const auto limit = api::parse_page_limit(*text);
+    if (const auto* problem = std::get_if<api::Problem>(&limit)) return *problem;
+    page.limit = std::get<std::size_t>(limit);
+  }
+  if (const auto text = request.parameter("page_token")) {
+    const auto token = api::parse_session_page_token(*text);
+    if (const auto* problem = std::get_if<api::Problem>(&token)) return *problem;
+    page.after = static_cast<std::int64_t>(std::get<std::size_t>(token));
+  }
+  return page;
+}
+
+Response too_many_sessions(const std::string& robot) {
+  return problem_response(429, "too_many_sessions",
+                          "Robot " + robot +
+                              " has as many sessions as it may have: go on in one of them, or "
+                              "delete some.");
 }
 
 Response forbidden_robot() {
@@ -46,19 +74,24 @@ class SessionRoutes {
     if (!request.principal.may_see(session.robot)) return forbidden_robot();
     const auto created = service().create(session);
     if (!created) return error_response(request, created.error());
-    Response response = document_response(request, 201, session_json(*created));
-    response.headers.emplace_back("Location", "/v1/sessions/" + created->id);
+    if (!*created) return too_many_sessions(session.robot);
+    const SessionView& view = **created;
+    Response response = document_response(request, 201, session_json(view));
+    response.headers.emplace_back("Location", "/v1/sessions/" + view.id);
     return response;
   }
 
   Response list(const Request& request) {
-    auto sessions = service().list();
-    if (!sessions) return error_response(request, sessions.error());
-    Json list = Json::array();
-    for (const SessionView& view : *sessions) {
-      if (request.principal.may_see(view.robot)) list.push_back(session_json(view));
-    }
-    return document_response(request, 200, Json{{"sessions", std::move(list)}});
+    const auto page = list_request(request);
+    if (const auto* problem = std::get_if<api::Problem>(&page)) return problem_response(*problem);
+    const auto list = service().list(std::get<SessionListRequest>(page));
+    if (!list) return error_response(request, list.error());
+    Json sessions = Json::array();
+    for (const SessionView& view : list->sessions) sessions.push_back(session_json(view));
+    Json next = list->next ? Json(std::to_string(*list->next)) : Json(nullptr);
+    return document_response(
+        request, 200,
+        Json{{"sessions", std::move(sessions)}, {"next_page_token", std::move(next)}});
   }
 
   Response get(const Request& request) {
@@ -94,6 +127,9 @@ class SessionRoutes {
     const auto& batch = std::get<api::SessionScansRequest>(parsed);
     const auto outcome = service().post_scans(id, batch);
     if (!outcome) return error_response(request, outcome.error());
+    if (outcome->is_another_batch) {
+      return another_batch(batch.sequence, *outcome->expected_sequence);
+    }
     if (outcome->expected_sequence) {
       return wrong_sequence(batch.sequence, *outcome->expected_sequence);
     }
@@ -144,14 +180,26 @@ class SessionRoutes {
   }
 
   static Response wrong_sequence(std::uint64_t sequence, std::uint64_t expected) {
-    return problem_response(
-        api::Problem{.status = 409,
-                     .code = "sequence_conflict",
-                     .title = "Wrong sequence",
-                     .detail = "The batch has sequence " + std::to_string(sequence) +
-                               "; the session expects " + std::to_string(expected) + ".",
-                     .errors = {},
-                     .extra_json = Json{{"expected", expected}}.dump()});
+    return sequence_conflict("The batch has sequence " + std::to_string(sequence) +
+                                 "; the session expects " + std::to_string(expected) + ".",
+                             expected);
+  }
+
+  static Response another_batch(std::uint64_t sequence, std::uint64_t expected) {
+    return sequence_conflict("Sequence " + std::to_string(sequence) +
+                                 " was answered for a batch with other scans; the session "
+                                 "expects " +
+                                 std::to_string(expected) + ".",
+                             expected);
+  }
+
+  static Response sequence_conflict(std::string detail, std::uint64_t expected) {
+    return problem_response(api::Problem{.status = 409,
+                                         .code = "sequence_conflict",
+                                         .title = "Wrong sequence",
+                                         .detail = std::move(detail),
+                                         .errors = {},
+                                         .extra_json = Json{{"expected", expected}}.dump()});
   }
 
   Services services_;

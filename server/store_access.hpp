@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <type_traits>
 #include <utility>
 
 #include <cornerfix/result.hpp>
@@ -16,38 +17,50 @@
 
 namespace cornerfix::server {
 
+/// A file as the operating system knows it: a path may come to name another one.
+struct FileId {
+  std::uint64_t device = 0;
+  std::uint64_t inode = 0;
+  friend bool operator==(const FileId&, const FileId&) = default;
+};
+
 /// Sessions are written often and may lose their last batches in a power cut; maps are written
 /// seldom and must not. So each has a connection of its own, and quick answers to robots do not
-/// wait for the writing of a map. Any threads may call.
+/// wait for the writing of a map. Every call is kUnavailable when the path no longer names the file
+/// that was opened: what was written would be lost. Any threads may call.
 class StoreAccess {
  public:
   [[nodiscard]] static Result<std::shared_ptr<StoreAccess>> open(const std::filesystem::path& path);
 
   /// `use(MapStore&)` on the connection for maps.
   template <typename Use>
-  auto with_maps(Use&& use) {
+  std::invoke_result_t<Use, storage::MapStore&> with_maps(Use&& use) {
     const std::lock_guard lock(map_mutex_);
+    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(maps_);
   }
 
   /// `use(SessionStore&)` on the connection for sessions.
   template <typename Use>
-  auto with_sessions(Use&& use) {
+  std::invoke_result_t<Use, storage::SessionStore&> with_sessions(Use&& use) {
     const std::lock_guard lock(session_mutex_);
+    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(sessions_);
   }
 
   /// `use(SessionStore&)` on the connection for maps: for long reads that no robot should wait for.
   template <typename Use>
-  auto with_session_list(Use&& use) {
+  std::invoke_result_t<Use, storage::SessionStore&> with_session_list(Use&& use) {
     const std::lock_guard lock(map_mutex_);
+    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(session_list_);
   }
 
   /// `use(MapStore&)` on the connection for sessions: for short reads on a robot's way.
   template <typename Use>
-  auto with_map_entries(Use&& use) {
+  std::invoke_result_t<Use, storage::MapStore&> with_map_entries(Use&& use) {
     const std::lock_guard lock(session_mutex_);
+    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(map_entries_);
   }
 
@@ -55,12 +68,17 @@ class StoreAccess {
   /// process' maps or by another process. What was read before is then to be read again.
   [[nodiscard]] Result<std::uint64_t> epoch();
 
-  /// Whether the file can still be read.
-  [[nodiscard]] Result<void> probe();
+  /// Whether the file can be read, and its file system has `min_free_bytes` left to write to it.
+  [[nodiscard]] Result<void> probe(std::uint64_t min_free_bytes);
 
  private:
   StoreAccess(std::shared_ptr<storage::Database> map_database,
-              std::shared_ptr<storage::Database> session_database);
+              std::shared_ptr<storage::Database> session_database, FileId opened);
+
+  [[nodiscard]] Result<void> check_in_place() const;
+
+  std::filesystem::path path_;
+  FileId opened_;
 
   std::mutex map_mutex_;
   storage::MapStore maps_;

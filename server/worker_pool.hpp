@@ -1,4 +1,4 @@
-/// \file  Threads that serve connections, made as they are needed.
+/// \file  Threads that answer requests, made as they are needed.
 #pragma once
 
 #include <chrono>
@@ -12,9 +12,9 @@
 
 namespace cornerfix::server {
 
-/// A job is one connection and holds its thread for as long as the connection lives. When all
-/// threads are held, a job that has waited for `queue_timeout` runs on one of a few spare threads,
-/// where `is_shedding()` tells it to say "busy" and leave. Any thread may call.
+/// A job answers one request. When all threads are busy, a job that has waited for `queue_timeout`
+/// runs on one of a few spare threads, where is_shedding() is true: it answers "busy". Any thread
+/// may call.
 class WorkerPool {
  public:
   WorkerPool(std::size_t max_threads, std::chrono::milliseconds queue_timeout);
@@ -27,7 +27,7 @@ class WorkerPool {
   /// Runs what is queued, then ends the threads. No job may be enqueued from then on.
   void shutdown();
 
-  /// Whether the calling thread is there to turn connections away.
+  /// Whether the calling thread is there to turn requests away.
   [[nodiscard]] static bool is_shedding();
 
  private:

@@ -99,8 +99,21 @@ ALTER TABLE session_maps ADD COLUMN map_id INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE sessions ADD COLUMN beams INTEGER NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array<const char*, 4> kMigrations = {kCreateTables, kCreateMapGrids, kAddDrift,
-                                                    kRememberMapsAndBeams};
+// When a session took its last batch, or was made: those that are not used expire.
+constexpr const char* kRememberUse = R"sql(
+ALTER TABLE sessions ADD COLUMN last_used TEXT NOT NULL DEFAULT '';
+UPDATE sessions SET last_used = created;
+CREATE INDEX sessions_by_robot ON sessions (robot);
+CREATE INDEX sessions_by_use ON sessions (last_used);
+)sql";
+
+// Digest of the batch that last_answer answers; 0 where that is not known.
+constexpr const char* kRememberBatch = R"sql(
+ALTER TABLE sessions ADD COLUMN last_batch INTEGER NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array<const char*, 6> kMigrations = {
+    kCreateTables, kCreateMapGrids, kAddDrift, kRememberMapsAndBeams, kRememberUse, kRememberBatch};
 
 }  // namespace
 

@@ -15,7 +15,13 @@ namespace {
 
 constexpr std::string_view kSelectSession =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state, beams FROM sessions WHERE id = ?";
+    "state, beams, last_used, last_batch FROM sessions WHERE id = ?";
+
+constexpr std::string_view kSelectPage =
+    "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
+    "state, beams, last_used, last_batch FROM sessions WHERE number > ?1 AND (?2 = '' OR robot = "
+    "?2) "
+    "ORDER BY number LIMIT ?3";
 
 Error unknown_session(std::string_view id) {
   return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
@@ -50,12 +56,21 @@ std::vector<SubmapScanKey> sync_submap(Database& database, std::int64_t session,
   return keys;
 }
 
-void write_answer(Database& database, std::int64_t session, std::uint64_t expected_sequence,
-                  std::string_view last_answer, BlobView state, std::size_t beams) {
+struct AnswerRow {
+  std::uint64_t expected_sequence = 0;
+  std::string_view last_answer;
+  BlobView state;
+  std::size_t beams = 0;
+  std::string_view last_used;
+  std::uint64_t last_batch = 0;
+};
+
+void write_answer(Database& database, std::int64_t session, const AnswerRow& row) {
   Statement(database,
-            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, beams = ? "
-            "WHERE number = ?")
-      .bind(expected_sequence, last_answer, state, beams, session)
+            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, beams = ?, "
+            "last_used = ?, last_batch = ? WHERE number = ?")
+      .bind(row.expected_sequence, row.last_answer, row.state, row.beams, row.last_used,
+            row.last_batch, session)
       .run();
 }
 
@@ -96,34 +111,36 @@ Result<LocalizerState> read_state(Database& database, std::int64_t session, Blob
   return std::move(outline->state);
 }
 
-Result<std::optional<SessionRecord>> read_session(Database& database, std::string_view id) {
-  Statement row(database, kSelectSession);
-  if (!row.bind(id).step()) return std::optional<SessionRecord>();
-  const std::int64_t session = row.integer(0);
+/// All but the state.
+SessionRecord read_record(Database& database, const Statement& row) {
   SessionRecord record;
+  record.number = row.integer(0);
   record.id = row.text(1);
   record.robot = row.text(2);
   record.created = row.text(3);
-  read_maps(database, session, record);
+  read_maps(database, record.number, record);
   record.lidar_json = row.text(4);
   record.options_json = row.text(5);
   record.expected_sequence = row.number(6);
   record.last_answer = row.text(7);
   record.beams = row.number(9);
-  Result<LocalizerState> state = read_state(database, session, row.blob(8));
-  if (!state) {
-    return Error{state.error().code, "session " + record.id + ": " + state.error().message,
-                 "session"};
-  }
-  record.state = std::move(*state);
-  return std::optional(std::move(record));
+  record.last_used = row.text(10);
+  record.last_batch = row.number(11);
+  return record;
 }
 
-std::vector<std::string> session_ids(Database& database) {
-  Statement statement(database, "SELECT id FROM sessions ORDER BY created, number");
-  std::vector<std::string> ids;
-  while (statement.step()) ids.push_back(statement.text(0));
-  return ids;
+Error in_session(const SessionRecord& record, const Error& error) {
+  return {error.code, "session " + record.id + ": " + error.message, "session"};
+}
+
+Result<std::optional<SessionRecord>> read_session(Database& database, std::string_view id) {
+  Statement row(database, kSelectSession);
+  if (!row.bind(id).step()) return std::optional<SessionRecord>();
+  SessionRecord record = read_record(database, row);
+  Result<LocalizerState> state = read_state(database, record.number, row.blob(8));
+  if (!state) return in_session(record, state.error());
+  record.state = std::move(*state);
+  return std::optional(std::move(record));
 }
 
 /// What update() must know of a stored session.
@@ -166,8 +183,14 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
     }
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, session, record.state.submap, {});
-    write_answer(*database_, session, record.expected_sequence, record.last_answer,
-                 encode_localizer_state(record.state, submap), record.beams);
+    const Blob state = encode_localizer_state(record.state, submap);
+    write_answer(*database_, session,
+                 {.expected_sequence = record.expected_sequence,
+                  .last_answer = record.last_answer,
+                  .state = state,
+                  .beams = record.beams,
+                  .last_used = record.last_used.empty() ? record.created : record.last_used,
+                  .last_batch = record.last_batch});
     transaction.commit();
     return {};
   });
@@ -186,8 +209,14 @@ Result<void> SessionStore::update(std::string_view id, const SessionUpdate& upda
     }
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, stored->number, update.state->submap, std::move(stored->submap));
-    write_answer(*database_, stored->number, update.expected_sequence, update.last_answer,
-                 encode_localizer_state(*update.state, submap), update.beams);
+    const Blob state = encode_localizer_state(*update.state, submap);
+    write_answer(*database_, stored->number,
+                 {.expected_sequence = update.expected_sequence,
+                  .last_answer = update.last_answer,
+                  .state = state,
+                  .beams = update.beams,
+                  .last_used = update.now,
+                  .last_batch = update.last_batch});
     transaction.commit();
     return {};
   });
@@ -210,16 +239,37 @@ Result<std::optional<SessionRecord>> SessionStore::find(std::string_view id) {
   });
 }
 
-Result<std::vector<SessionRecord>> SessionStore::all() {
+Result<std::vector<SessionRecord>> SessionStore::list(const SessionPage& page) {
   return guarded([&]() -> Result<std::vector<SessionRecord>> {
     ReadTransaction transaction(*database_);
+    Statement row(*database_, kSelectPage);
     std::vector<SessionRecord> records;
-    for (const std::string& id : session_ids(*database_)) {
-      Result<std::optional<SessionRecord>> record = read_session(*database_, id);
-      if (!record) return record.error();
-      records.push_back(std::move(**record));
+    for (row.bind(page.after, page.robot, page.limit); row.step();) {
+      SessionRecord record = read_record(*database_, row);
+      Result<LocalizerStateOutline> outline = decode_localizer_state(row.blob(8));
+      if (!outline) return in_session(record, outline.error());
+      record.state = std::move(outline->state);
+      records.push_back(std::move(record));
     }
     return records;
+  });
+}
+
+Result<std::size_t> SessionStore::count(std::string_view robot) {
+  return guarded([&]() -> Result<std::size_t> {
+    Statement row(*database_, "SELECT count(*) FROM sessions WHERE robot = ?");
+    row.bind(robot).step();
+    return static_cast<std::size_t>(row.number(0));
+  });
+}
+
+Result<std::size_t> SessionStore::remove_unused_since(std::string_view time) {
+  return guarded([&]() -> Result<std::size_t> {
+    WriteTransaction transaction(*database_);
+    const int removed =
+        Statement(*database_, "DELETE FROM sessions WHERE last_used < ?").bind(time).run();
+    transaction.commit();
+    return static_cast<std::size_t>(removed);
   });
 }
 

@@ -33,7 +33,17 @@ struct SessionRecord {
   LocalizerState state;
   /// Of the maps when they were asked for, in their order; 0 where not known.
   std::vector<std::int64_t> map_ids{};
-  std::size_t beams = 0;  ///< Of each scan; 0 before the first.
+  std::size_t beams = 0;         ///< Of each scan; 0 before the first.
+  std::string last_used{};       ///< When it took its last batch, or was made: as `created`.
+  std::uint64_t last_batch = 0;  ///< Digest of the batch that `last_answer` answers; 0: not known.
+  std::int64_t number = 0;       ///< Given by insert(); grows from session to session.
+};
+
+/// Which sessions to list.
+struct SessionPage {
+  std::string_view robot{};  ///< Its sessions only; empty: those of all robots.
+  std::int64_t after = 0;    ///< Those with a larger `number`.
+  std::size_t limit = 1000;
 };
 
 /// What one batch (or a reset) changes.
@@ -45,6 +55,8 @@ struct SessionUpdate {
   const LocalizerState* state = nullptr;  ///< Only submap scans that are not stored yet are
                                           ///< written; those no longer there go.
   std::size_t beams = 0;                  ///< Of each scan; 0 before the first.
+  std::string_view now{};                 ///< As `created`.
+  std::uint64_t last_batch = 0;           ///< Digest of the batch; 0: not known.
 };
 
 class SessionStore {
@@ -58,7 +70,11 @@ class SessionStore {
                                     const SessionUpdate& update);  ///< kNotFound.
   [[nodiscard]] Result<void> remove(std::string_view id);          ///< kNotFound.
   [[nodiscard]] Result<std::optional<SessionRecord>> find(std::string_view id);
-  [[nodiscard]] Result<std::vector<SessionRecord>> all();  ///< By creation.
+  /// By creation. Their states have no submaps.
+  [[nodiscard]] Result<std::vector<SessionRecord>> list(const SessionPage& page);
+  [[nodiscard]] Result<std::size_t> count(std::string_view robot);
+  /// Removes those last used before `time`; returns how many.
+  [[nodiscard]] Result<std::size_t> remove_unused_since(std::string_view time);
 
  private:
   std::shared_ptr<Database> database_;

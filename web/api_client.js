@@ -43,7 +43,15 @@ export async function listMaps() {
 }
 
 export async function listSessions() {
-  return (await (await get('v1/sessions')).json()).sessions;
+  const sessions = [];
+  let token = '';
+  do {
+    const query = token ? `&page_token=${encodeURIComponent(token)}` : '';
+    const page = await (await get(`v1/sessions?limit=100${query}`)).json();
+    sessions.push(...page.sessions);
+    token = page.next_page_token;
+  } while (token);
+  return sessions;
 }
 
 export async function mapFeatures(name) {

@@ -1,12 +1,7 @@
 #include "integration/http_client.hpp"
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
-#include <stdexcept>
 
 #include <httplib.h>
 
@@ -96,40 +91,6 @@ Reply HttpClient::stream(const std::string& path,
   return to_reply(impl_->client.Get(path, impl_->headers, [&](const char* data, std::size_t size) {
     return take({data, size});
   }));
-}
-
-RawConnection::RawConnection(int port) : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  const timeval timeout{kTimeoutS, 0};
-  setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
-  if (::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    ::close(fd_);
-    throw std::runtime_error("cannot connect");
-  }
-}
-
-RawConnection::~RawConnection() { ::close(fd_); }
-
-void RawConnection::send(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (sent <= 0) break;
-    bytes.remove_prefix(static_cast<std::size_t>(sent));
-  }
-}
-
-std::string RawConnection::read_until(std::string_view end) {
-  std::string reply;
-  char buffer[4096];
-  while (end.empty() || reply.find(end) == std::string::npos) {
-    const ssize_t size = ::recv(fd_, buffer, sizeof buffer, 0);
-    if (size <= 0) break;
-    reply.append(buffer, static_cast<std::size_t>(size));
-  }
-  return reply;
 }
 
 std::string exchange_bytes(int port, std::string_view request) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "support/raw_connection.hpp"
+
 namespace cornerfix::testing {
 
 using Json = nlohmann::json;
@@ -49,23 +51,6 @@ class HttpClient {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
-};
-
-/// A connection that sends bytes as they are.
-class RawConnection {
- public:
-  explicit RawConnection(int port);
-  ~RawConnection();
-  RawConnection(const RawConnection&) = delete;
-  RawConnection& operator=(const RawConnection&) = delete;
-
-  void send(std::string_view bytes);
-  /// What comes up to and with `end`, or until the server closes the connection.
-  [[nodiscard]] std::string read_until(std::string_view end);
-  [[nodiscard]] std::string read_to_end() { return read_until({}); }
-
- private:
-  int fd_ = -1;
 };
 
 /// Sends `request` on a connection of its own and reads until the server closes it.

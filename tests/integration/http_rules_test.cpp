@@ -1,6 +1,8 @@
 // What holds for every call: paths, methods, bodies, limits, headers, connections.
 #include <gmock/gmock.h>
 
+#include <deque>
+
 #include "integration/test_server.hpp"
 #include "support/gzip.hpp"
 
@@ -118,10 +120,10 @@ TEST_F(HttpRulesTest, LimitsABodyByLength) {
 }
 
 TEST_F(HttpRulesTest, LimitsABodyWhateverItPromises) {
-  const std::string answer =
-      exchange_bytes(server_.port(),
-                     "PUT /v1/maps/office HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
-                     "Content-Length: 99999999999999\r\n\r\n");
+  const std::string answer = exchange_bytes(
+      server_.port(),
+      "PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Content-Length: 99999999999999\r\n\r\n");
   EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 413"), HasSubstr("Connection: close")));
 }
 
@@ -160,8 +162,9 @@ TEST_F(HttpRulesTest, LimitsScansAndBeams) {
 }
 
 TEST_F(HttpRulesTest, NeedsALengthForADocument) {
-  EXPECT_THAT(raw("POST /v1/sessions HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"),
-              StartsWith("HTTP/1.1 411"));
+  EXPECT_THAT(
+      raw("POST /v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"),
+      StartsWith("HTTP/1.1 411"));
 }
 
 TEST_F(HttpRulesTest, RefusesABodyWhoseEndIsInDoubt) {
@@ -170,8 +173,8 @@ TEST_F(HttpRulesTest, RefusesABodyWhoseEndIsInDoubt) {
         "Content-Length: -2\r\n", "Content-Length: 2\r\nContent-Length: 3\r\n",
         "Transfer-Encoding: gzip, chunked\r\n"}) {
     const std::string answer = exchange_bytes(
-        server_.port(), std::string("PUT /v1/maps/office HTTP/1.1\r\nHost: a\r\n") + framing +
-                            "\r\n{}DELETE /v1/maps/other HTTP/1.1\r\n\r\n");
+        server_.port(), std::string("PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\n") +
+                            framing + "\r\n{}DELETE /v1/maps/other HTTP/1.1\r\n\r\n");
     EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 400"), HasSubstr("Connection: close")))
         << framing;
     EXPECT_THAT(answer.substr(10), Not(HasSubstr("HTTP/1.1 "))) << framing;
@@ -180,29 +183,72 @@ TEST_F(HttpRulesTest, RefusesABodyWhoseEndIsInDoubt) {
 
 TEST_F(HttpRulesTest, NeverTakesABodyForTheNextRequest) {
   client_.put("/v1/maps/office", Json::object());
-  const std::string hidden = "DELETE /v1/maps/office HTTP/1.1\r\nHost: a\r\n\r\n";
-  for (const char* request : {"GET /healthz", "GET /v1/none", "POST /v1/none", "POST /healthz",
-                              "PATCH /v1/maps/office", "DELETE /v1/maps/none"}) {
-    raw(std::string(request) +
-            " HTTP/1.1\r\nHost: a\r\nContent-Length: " + std::to_string(hidden.size()) + "\r\n",
+  const std::string hidden = "DELETE /v1/maps/office HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  for (const char* request :
+       {"GET /healthz", "HEAD /healthz", "GET /v1/none", "POST /v1/none", "POST /healthz",
+        "OPTIONS /v1/maps", "PATCH /v1/maps/office", "DELETE /v1/maps/none"}) {
+    raw(std::string(request) + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
+            std::to_string(hidden.size()) + "\r\n",
         hidden);
     EXPECT_EQ(client_.get("/v1/maps/office").status, 200) << request;
   }
 }
 
+TEST_F(HttpRulesTest, RefusesARequestThatAProxyCouldReadDifferently) {
+  client_.put("/v1/maps/office", Json::object());
+  const std::string hidden = "DELETE /v1/maps/office HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  const std::string length = std::to_string(hidden.size());
+  const std::string post = "POST /v1/none HTTP/1.1\r\nHost: localhost\r\n";
+  const std::string chunked = "Transfer-Encoding: chunked\r\n";
+  for (const std::string& head :
+       {post + "Content-Length : " + length + "\r\n\r\n",
+        post + "X-A: b\r\n Content-Length: " + length + "\r\n\r\n",
+        "POST /v1/none HTTP/1.1\nHost: a\nContent-Length: " + length + "\n\n",
+        post + chunked + chunked + "\r\n0\r\n\r\n",
+        post + chunked + "Content-Length: " + length + "\r\n\r\n0\r\n\r\n",
+        post + chunked + "\r\n+0\r\n\r\n",
+        "HEAD /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + length + "\r\n\r\n",
+        "GET /healthz HTTP/1.1\r\nHost: localhost\r\n" + chunked + "\r\n0\r\n\r\n"}) {
+    const std::string answer = exchange_bytes(server_.port(), head + hidden);
+    EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 400"), HasSubstr("Connection: close"),
+                              HasSubstr("application/problem+json")))
+        << head;
+    EXPECT_THAT(answer.substr(10), Not(HasSubstr("HTTP/1.1 "))) << head;
+    EXPECT_EQ(client_.get("/v1/maps/office").status, 200) << head;
+  }
+}
+
+TEST_F(HttpRulesTest, LimitsHeadersAndTrailers) {
+  std::string lines;
+  for (int i = 0; i < 200; ++i) lines += "x:y\r\n";
+  EXPECT_THAT(raw("GET /healthz HTTP/1.1\r\nHost: localhost\r\n" + lines),
+              AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("headers_too_large")));
+  std::string large;
+  for (int i = 0; i < 10; ++i) large += "x: " + std::string(8000, 'y') + "\r\n";
+  EXPECT_THAT(raw("GET /healthz HTTP/1.1\r\nHost: localhost\r\n" + large),
+              StartsWith("HTTP/1.1 431"));
+  const std::string trailers = exchange_bytes(
+      server_.port(),
+      "PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n" +
+          lines + "\r\n");
+  EXPECT_THAT(trailers, StartsWith("HTTP/1.1 4"));
+  EXPECT_EQ(client_.get("/v1/maps/office").status, 404);
+}
+
 TEST_F(HttpRulesTest, KeepsTheConnectionAfterAnError) {
   testing::RawConnection connection(server_.port());
-  connection.send("POST /v1/none HTTP/1.1\r\nHost: a\r\nContent-Length: 5\r\n\r\n12345");
+  connection.send("POST /v1/none HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n12345");
   EXPECT_THAT(connection.read_until("}"), StartsWith("HTTP/1.1 404"));
-  connection.send("GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n");
+  connection.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_THAT(connection.read_until("}"), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(HttpRulesTest, AnswersRequestsThatWereSentTogether) {
   const std::string answers =
       exchange_bytes(server_.port(),
-                     "GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n"
-                     "GET /v1/none HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+                     "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                     "GET /v1/none HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_THAT(answers, StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(answers, HasSubstr("HTTP/1.1 404"));
 }
@@ -217,7 +263,7 @@ TEST_F(HttpRulesTest, RefusesWhatIsNoHttpWithAProblem) {
   const std::string long_header = exchange_bytes(
       server_.port(), "GET /healthz HTTP/1.1\r\nX-Long: " + std::string(9000, 'a') + "\r\n\r\n");
   EXPECT_THAT(long_header, AllOf(StartsWith("HTTP/1.1 431"), HasSubstr("headers_too_large")));
-  EXPECT_THAT(raw("GET /" + std::string(5000, 'a') + " HTTP/1.1\r\nHost: a\r\n"),
+  EXPECT_THAT(raw("GET /" + std::string(5000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n"),
               StartsWith("HTTP/1.1 414"));
   EXPECT_TRUE(is_alive());
 }
@@ -238,6 +284,20 @@ TEST_F(HttpRulesTest, RefusesAnotherSitesPage) {
                       {{"Sec-Fetch-Site", "same-origin"}})
                 .status,
             201);
+}
+
+TEST_F(HttpRulesTest, KnowsItsNamesAndRefusesOthers) {
+  const std::string answer = exchange_bytes(
+      server_.port(),
+      "GET /v1/maps HTTP/1.1\r\nHost: evil.example.com\r\nConnection: close\r\n\r\n");
+  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 421"), HasSubstr("allowed_hosts")));
+  expect_problem(client_.send("PUT", "/v1/maps/office", "{}", "application/json",
+                              {{"Origin", "http://evil.example.com"}}),
+                 403);
+  const std::string own = "http://127.0.0.1:" + std::to_string(server_.port());
+  EXPECT_EQ(
+      client_.send("PUT", "/v1/maps/office", "{}", "application/json", {{"Origin", own}}).status,
+      201);
 }
 
 TEST_F(HttpRulesTest, PutsSafeHeadersOnEveryAnswer) {
@@ -264,7 +324,7 @@ TEST_F(HttpRulesTest, ServesTheInspectorsFiles) {
 }
 
 TEST_F(HttpRulesTest, AnswersHeadWithoutABody) {
-  const std::string answer = raw("HEAD /healthz HTTP/1.1\r\nHost: a\r\n");
+  const std::string answer = raw("HEAD /healthz HTTP/1.1\r\nHost: localhost\r\n");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(answer, ::testing::EndsWith("\r\n\r\n"));
 }
@@ -279,18 +339,75 @@ TEST_F(HttpRulesTest, TellsItsHealthAndItsNumbers) {
                                       "maps/{map}\",status=\"404\"} 1"));
 }
 
-TEST_F(HttpRulesTest, AnswersInALimitedNumberOfRequestsAtOnce) {
+TEST_F(HttpRulesTest, ServesRobotsBesideClientsThatHoldTheirConnections) {
   server::ServerConfig config;
   config.worker_threads = 1;
-  config.queue_timeout_ms = 20;
-  testing::TestServer busy(directory_ / "busy.db", config);
-  testing::HttpClient holder(busy.port());
-  while (holder.get("/healthz").status != 200) {  // Then it keeps the only thread.
+  testing::TestServer server(directory_ / "beside.db", config);
+  std::deque<testing::RawConnection> hostile;
+  for (int i = 0; i < 100; ++i) {
+    hostile.emplace_back(server.port()).send(i % 2 == 0 ? "" : "GET /healthz HTTP/1.1\r\nHos");
+    // Bodies that never come.
+    hostile.emplace_back(server.port())
+        .send("PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\n{");
   }
-  const std::string answer =
-      exchange_bytes(busy.port(), "GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n");
-  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("Retry-After: 1"),
-                            HasSubstr("application/problem+json")));
+  testing::HttpClient robot(server.port());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(robot.get("/v1/maps").status, 200);
+  }
+}
+
+TEST_F(HttpRulesTest, RefusesLargeBodiesWithoutReadingThem) {
+  server::ServerConfig config;
+  config.max_requests_in_work = 1;
+  config.tokens = {{"0123456789abcdef", server::Role::kAdmin, "me"}};
+  testing::TestServer server(directory_ / "tokens.db", config);
+  testing::RawConnection stranger(server.port());
+  stranger.send(
+      "POST /v1/maps/office/archive HTTP/1.1\r\nHost: localhost\r\nContent-Length: "
+      "200000000\r\n\r\n");
+  EXPECT_THAT(stranger.read_to_end(),
+              AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("Connection: close")));
+}
+
+TEST_F(HttpRulesTest, TakesALargeBodyAfterAskingForIt) {
+  server::ServerConfig config;
+  testing::TestServer server(directory_ / "large.db", config);
+  const std::string body = "{" + std::string(3'000'000, ' ') + "}";
+  testing::RawConnection client(server.port());
+  client.send(
+      "PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Expect: 100-continue\r\nConnection: close\r\nContent-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n");
+  EXPECT_THAT(client.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));
+  client.send(body);
+  EXPECT_THAT(client.read_to_end(), StartsWith("HTTP/1.1 201"));
+  testing::HttpClient again(server.port());
+  EXPECT_EQ(again.post_chunked("/v1/sessions", body, "application/json").status, 422);
+}
+
+TEST_F(HttpRulesTest, IsNotReadyWithoutItsDatabaseOrRoomForIt) {
+  server::ServerConfig config;
+  config.min_free_bytes = std::size_t{1} << 60U;
+  testing::TestServer full(directory_ / "full.db", config);
+  const Reply no_room = testing::HttpClient(full.port()).get("/readyz");
+  expect_problem(no_room, 503);
+  EXPECT_THAT(no_room.json()["detail"], HasSubstr("bytes left"));
+  std::filesystem::remove(directory_ / "test.db");
+  expect_problem(client_.put("/v1/maps/office", Json::object()), 503);
+  const Reply deleted = client_.get("/readyz");
+  expect_problem(deleted, 503);
+  EXPECT_THAT(deleted.json()["detail"], HasSubstr("deleted or replaced"));
+  EXPECT_TRUE(is_alive());
+}
+
+TEST_F(HttpRulesTest, TurnsConnectionsAwayAboveItsLimit) {
+  server::ServerConfig config;
+  config.max_connections = 1;
+  testing::TestServer busy(directory_ / "busy.db", config);
+  testing::RawConnection holder(busy.port());
+  testing::RawConnection second(busy.port());
+  EXPECT_THAT(second.read_to_end(), AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("Retry-After: 1"),
+                                          HasSubstr("application/problem+json")));
 }
 
 }  // namespace

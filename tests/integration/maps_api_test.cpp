@@ -46,7 +46,8 @@ TEST_F(MapsApiTest, CreatesAndDescribes) {
 TEST_F(MapsApiTest, CreatesWithoutABody) {
   EXPECT_EQ(client_.send("PUT", "/v1/maps/office", "", "").status, 201);  // Content-Length: 0
   const std::string answer = testing::exchange_bytes(
-      server_.port(), "PUT /v1/maps/other HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+      server_.port(),
+      "PUT /v1/maps/other HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 201"));
 }
 

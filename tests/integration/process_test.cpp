@@ -57,7 +57,7 @@ TEST_F(ProcessTest, AnswersWhatIsInWorkBeforeItEnds) {
   const std::string id = testing::open_session(client, "cart-7", "office");
   const std::string body = testing::session_batch(drive_, 0).dump();
   testing::RawConnection slow(server.port());
-  slow.send("POST /v1/sessions/" + id + "/scans HTTP/1.1\r\nHost: a\r\n" +
+  slow.send("POST /v1/sessions/" + id + "/scans HTTP/1.1\r\nHost: localhost\r\n" +
             "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) +
             "\r\nExpect: 100-continue\r\n\r\n");
   ASSERT_THAT(slow.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));  // now it is in work
@@ -208,6 +208,52 @@ TEST_F(ProcessTest, ReadsItsConfigurationFile) {
       R"({"tokens": [{"token": "0123456789abcdef", "role": "admin", "name": "a"}], "max_scans": 2})"));
   ServerProcess server(with_config);
   EXPECT_EQ(HttpClient(server.port()).get("/v1/maps").status, 401);
+}
+
+TEST_F(ProcessTest, ReloadsTokensOnSighup) {
+  const auto with_token = [&](const std::string& token) {
+    return config_file(R"({"tokens": [{"token": ")" + token +
+                       R"(", "role": "admin", "name": "a"}]})");
+  };
+  auto with_config = arguments();
+  with_config.insert(with_config.end(), {"--config", with_token("old-token-0123456789")});
+  ServerProcess server(with_config);
+  const auto status_with = [&](const std::string& token) {
+    HttpClient client(server.port());
+    client.set_header("Authorization", "Bearer " + token);
+    return client.get("/v1/maps").status;
+  };
+  EXPECT_EQ(status_with("old-token-0123456789"), 200);
+  with_token("new-token-0123456789");
+  server.signal(SIGHUP);
+  while (status_with("new-token-0123456789") != 200) {
+  }
+  EXPECT_EQ(status_with("old-token-0123456789"), 401);
+  config_file("this is no configuration");
+  server.signal(SIGHUP);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST_F(ProcessTest, IgnoresSighupWithoutAConfigurationFile) {
+  ServerProcess server(arguments());
+  server.signal(SIGHUP);
+  EXPECT_EQ(HttpClient(server.port()).get("/healthz").status, 200);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST_F(ProcessTest, EndsInSpiteOfAClientThatNeverEndsItsRequest) {
+  auto with_config = arguments();
+  with_config.insert(with_config.end(), {"--config", config_file(R"({"drain_timeout_s": 0})")});
+  ServerProcess server(with_config);
+  testing::RawConnection slow(server.port());
+  slow.send(
+      "PUT /v1/maps/office HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+      "Content-Length: 2000000\r\nExpect: 100-continue\r\n\r\n");
+  ASSERT_THAT(slow.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 100"));  // now it is in work
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
 }
 
 }  // namespace

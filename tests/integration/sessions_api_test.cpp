@@ -170,8 +170,8 @@ TEST_F(SessionsApiTest, ForgetsOnReset) {
 TEST_F(SessionsApiTest, ResetsWithoutContentLengthAtOnce) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   const std::string reply = testing::exchange_bytes(
-      server_.port(),
-      "POST /v1/sessions/" + id + "/reset HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+      server_.port(), "POST /v1/sessions/" + id +
+                          "/reset HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_THAT(reply, ::testing::StartsWith("HTTP/1.1 200"));
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <thread>
 
 #include "unit/server/service_fixture.hpp"
@@ -17,19 +18,24 @@ class LocalizationServiceTest : public ServiceTest {
  protected:
   LocalizationServiceTest() { make_map(process_, "office"); }
 
-  std::string create(Process& process, std::vector<std::string> maps = {"office"}) {
+  api::CreateSessionRequest session_of(const std::string& robot,
+                                       std::vector<std::string> maps = {"office"}) const {
     const LaserScan& scan = drive_.scans[0].scan;
     api::CreateSessionRequest request;
-    request.robot = "cart-7";
+    request.robot = robot;
     request.maps = std::move(maps);
     request.lidar.angle_min = scan.angle_min;
     request.lidar.angle_increment = scan.angle_increment;
     request.lidar.range_min = scan.range_min;
     request.lidar.range_max = scan.range_max;
     request.lidar_json = api::lidar_to_json(request.lidar);
-    const auto created = process.localization.create(request);
+    return request;
+  }
+
+  std::string create(Process& process, std::vector<std::string> maps = {"office"}) {
+    const auto created = process.localization.create(session_of("cart-7", std::move(maps)));
     EXPECT_TRUE(created) << created.error().message;
-    return created->id;
+    return created.value().value().id;
   }
 
   /// The batch of `count` scans that has `sequence`, when all batches have so many.
@@ -106,7 +112,7 @@ TEST_F(LocalizationServiceTest, KnowsNoMapOrSessionThatIsNotThere) {
   request.robot = "cart-7";
   request.maps = {"office", "nowhere"};
   EXPECT_EQ(service_.create(request).error().code, ErrorCode::kNotFound);
-  EXPECT_TRUE(service_.list()->empty());
+  EXPECT_TRUE(service_.list({})->sessions.empty());
   EXPECT_EQ(service_.find("none").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(service_.head("none").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(service_.reset("none").error().code, ErrorCode::kNotFound);
@@ -120,6 +126,23 @@ TEST_F(LocalizationServiceTest, AnswersTheSameBatchWithTheSameBytes) {
   const std::string first = answer(process_, id, batch(1));
   EXPECT_EQ(answer(process_, id, batch(1)), first);
   EXPECT_EQ(process_.events.scans, 6U);
+}
+
+TEST_F(LocalizationServiceTest, RefusesOtherScansWithTheLastSequence) {
+  const std::string id = create(process_);
+  const std::string first = answer(process_, id, batch(0));
+  auto other = batch(1);
+  other.sequence = 0;
+  Process restarted(file());
+  for (Process* process : {&process_, &restarted}) {
+    const auto refused = process->localization.post_scans(id, other);
+    ASSERT_TRUE(refused);
+    EXPECT_TRUE(refused->is_another_batch);
+    EXPECT_EQ(refused->expected_sequence, 1U);
+    EXPECT_EQ(answer(*process, id, batch(0)), first);
+  }
+  ASSERT_TRUE(service_.reset(id));
+  EXPECT_TRUE(service_.post_scans(id, other)->is_another_batch);
 }
 
 TEST_F(LocalizationServiceTest, SaysWhichSequenceItExpects) {
@@ -310,7 +333,7 @@ TEST_F(LocalizationServiceTest, AnswersASingleQuestion) {
   EXPECT_THAT(*answer, HasSubstr("localized in office"));
   EXPECT_EQ(*service_.localize("office", request), *answer);
   EXPECT_EQ(service_.localize("nowhere", request).error().code, ErrorCode::kNotFound);
-  EXPECT_TRUE(service_.list()->empty());
+  EXPECT_TRUE(service_.list({})->sessions.empty());
 }
 
 TEST_F(LocalizationServiceTest, AnswersAQuestionAboutAnEmptyMap) {
@@ -324,12 +347,12 @@ TEST_F(LocalizationServiceTest, ListsAndForgetsSessions) {
   const std::string id = create(process_);
   create(process_);
   const std::string last = answer(process_, id, batch(0));
-  const auto list = *service_.list();
+  const auto list = service_.list({}).value().sessions;
   ASSERT_EQ(list.size(), 2U);
   EXPECT_EQ(list[0].id, id);
   EXPECT_EQ(list[0].last_answer, last);
   ASSERT_TRUE(service_.remove(id));
-  EXPECT_EQ(service_.list()->size(), 1U);
+  EXPECT_EQ(service_.list({}).value().sessions.size(), 1U);
   EXPECT_EQ(service_.post_scans(id, batch(1)).error().code, ErrorCode::kNotFound);
 }
 
@@ -346,6 +369,54 @@ TEST_F(LocalizationServiceTest, ShowsTheLastScanAndTheSubmapsFeatures) {
 TEST_F(LocalizationServiceTest, CountsSessionsInMemory) {
   create(process_);
   EXPECT_EQ(service_.count_by_status(), (SessionCounts{1, 0, 0, 0}));
+}
+
+TEST_F(LocalizationServiceTest, KeepsTheLeastUsedSessionsInTheStoreOnly) {
+  Process small(file(), {}, {.max_bytes = 1});
+  std::vector<std::string> parked;
+  std::vector<std::string> kept;
+  for (int i = 0; i < 3; ++i) {
+    parked.push_back(create(small));
+    kept.push_back(create(process_));
+  }
+  const auto without_id = [](const std::string& answer) { return answer.substr(answer.find(' ')); };
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    for (std::size_t robot = 0; robot < parked.size(); ++robot) {
+      EXPECT_EQ(without_id(answer(small, parked[robot], batch(i))),
+                without_id(answer(process_, kept[robot], batch(i))));
+    }
+  }
+  const SessionCounts counts = small.localization.count_by_status();
+  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), 1U);
+}
+
+TEST_F(LocalizationServiceTest, LimitsTheSessionsOfARobot) {
+  Process strict(file(), {}, {.max_per_robot = 2});
+  const std::string first = create(strict);
+  create(strict);
+  EXPECT_FALSE(strict.localization.create(session_of("cart-7")).value().has_value());
+  EXPECT_TRUE(strict.localization.create(session_of("cart-8")).value().has_value());
+  ASSERT_TRUE(strict.localization.remove(first));
+  create(strict);
+}
+
+TEST_F(LocalizationServiceTest, RemovesSessionsThatWereNotUsedForLong) {
+  const std::string id = create(process_);
+  Process later(file(), {}, {.expired_before = [] { return std::string("2024-06-01T12:00:00Z"); }});
+  EXPECT_EQ(later.localization.find(id).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(LocalizationServiceTest, ListsSessionsInPages) {
+  std::vector<std::string> ids;
+  for (int i = 0; i < 3; ++i) ids.push_back(create(process_));
+  const SessionList first = service_.list({.limit = 2}).value();
+  ASSERT_EQ(first.sessions.size(), 2U);
+  EXPECT_EQ(first.sessions[1].id, ids[1]);
+  const SessionList second = service_.list({.after = first.next.value(), .limit = 2}).value();
+  ASSERT_EQ(second.sessions.size(), 1U);
+  EXPECT_EQ(second.sessions[0].id, ids[2]);
+  EXPECT_FALSE(second.next.has_value());
+  EXPECT_TRUE(service_.list({.robot = "another"}).value().sessions.empty());
 }
 
 }  // namespace

@@ -292,6 +292,13 @@ TEST_F(MapLibraryTest, HoldsTheFeaturesOfItsParametersWhenFloorMapAndParametersA
   }
 }
 
+TEST_F(MapLibraryTest, RefusesALongYaml) {
+  const auto refused = maps_.put_floor_map("plan", std::string(70'000, '#'), {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(refused.error().field, "/yaml");
+}
+
 TEST_F(MapLibraryTest, RefusesParametersWithWhichAGridCannotHoldTheMap) {
   ASSERT_TRUE(maps_.put("office", parameters(R"({"grid": {"resolution_m": 1}})")));
   drive_.back().T_map_base_link.x += 2000.0;

@@ -51,7 +51,8 @@ TEST(ServerConfig, RefusesWrongValues) {
   for (const char* text :
        {R"({"port": "80"})", R"({"port": 65536})", R"({"port": -1})", R"({"port": 1.5})",
         R"({"max_scans": 0})", R"({"max_body_bytes": 18446744073709551615})", R"({"listen": 1})",
-        R"({"allow_insecure_listen": 1})", R"({"tokens": {}})", R"({"tokens": [1]})",
+        R"({"allow_insecure_listen": 1})", R"({"drain_timeout_s": -1})", R"({"tokens": {}})",
+        R"({"allowed_hosts": "a"})", R"({"allowed_hosts": [1]})", R"({"tokens": [1]})",
         R"({"tokens": [{"token": "0123456789abcdef"}]})",
         R"({"tokens": [{"token": "0123456789abcdef", "role": "king"}]})",
         R"({"tokens": [{"token": "0123456789abcdef", "role": "admin", "nmae": "x"}]})", "[]", "{",
@@ -90,6 +91,20 @@ TEST(ServerConfig, RefusesTokensThatAreEasyToGuessOrForNobody) {
   EXPECT_EQ(validate(config)->field, "/tokens/0/token");
   config.tokens = {{"0123456789abcdef", Role::kRobot, ""}};
   EXPECT_EQ(validate(config)->field, "/tokens/0/name");
+}
+
+TEST(ServerConfig, KnowsAFileThatOthersCanRead) {
+  const testing::TemporaryDirectory directory;
+  const std::filesystem::path file = directory / "config.json";
+  std::ofstream(file) << "{}";
+  using std::filesystem::perms;
+  std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
+  EXPECT_FALSE(is_open_to_others(file));
+  for (const perms open : {perms::group_read, perms::others_read, perms::others_write}) {
+    std::filesystem::permissions(file, perms::owner_read | open);
+    EXPECT_TRUE(is_open_to_others(file));
+  }
+  EXPECT_FALSE(is_open_to_others(directory / "none.json"));
 }
 
 TEST(ServerConfig, SaysWhichFileItCannotRead) {

@@ -19,9 +19,16 @@ namespace cornerfix::server {
 
 inline const std::string kNow = "2024-05-01T12:00:00Z";
 
+struct SessionLimits {
+  std::size_t max_bytes = std::size_t{1} << 30U;
+  std::size_t max_per_robot = 100;
+  NowText expired_before{};
+};
+
 /// What one process would hold. Several may share a file.
 struct Process {
-  explicit Process(const std::filesystem::path& file, MapLibraryLimits limits = {})
+  explicit Process(const std::filesystem::path& file, MapLibraryLimits limits = {},
+                   const SessionLimits& session_limits = {})
       : stores(StoreAccess::open(file).value()),
         maps(std::make_shared<MapLibrary>(stores, limits, [] { return kNow; })),
         localization(stores, maps,
@@ -34,7 +41,10 @@ struct Process {
                             events.scans += batch.scans;
                             events.fixes += batch.fixes;
                             events.lost += batch.lost;
-                          }}) {}
+                          },
+                      .max_session_bytes = session_limits.max_bytes,
+                      .max_sessions_per_robot = session_limits.max_per_robot,
+                      .expired_before = session_limits.expired_before}) {}
 
   /// Enough to tell answers apart.
   static std::string render(const AnswerToRender& answer) {

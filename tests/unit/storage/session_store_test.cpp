@@ -53,6 +53,7 @@ class SessionStoreTest : public ::testing::Test {
 TEST_F(SessionStoreTest, GivesBackASessionBitForBit) {
   SessionRecord session = record("s1", sample_state(3, 12, 5));
   session.expected_sequence = 17;
+  session.last_batch = ~std::uint64_t{0};
   session.last_answer = "{\"status\":\"localized\"}";
   ASSERT_TRUE(store_.insert(session));
   EXPECT_TRUE(is_same(store_.find("s1").value().value(), session));
@@ -177,18 +178,39 @@ TEST_F(SessionStoreTest, RemovesNoUnknownSession) {
   EXPECT_EQ(store_.remove("s1").error().code, ErrorCode::kNotFound);
 }
 
-TEST_F(SessionStoreTest, ListsSessionsByCreation) {
-  const std::vector<std::pair<std::string, std::string>> sessions = {
-      {"c", "2024-05-02"}, {"a", "2024-05-01"}, {"b", "2024-05-02"}};
-  for (const auto& [id, created] : sessions) {
+TEST_F(SessionStoreTest, ListsSessionsByCreationInPages) {
+  for (const char* id : {"c", "a", "b"}) {
     SessionRecord session = record(id, sample_state(0, 1, 0));
-    session.created = created;
+    session.robot = std::string("cart-") + id;
     ASSERT_TRUE(store_.insert(session));
   }
-  std::vector<std::string> ids;
-  const std::vector<SessionRecord> stored = store_.all().value();
-  for (const SessionRecord& session : stored) ids.push_back(session.id);
-  EXPECT_THAT(ids, ElementsAre("a", "c", "b"));
+  const auto ids = [&](const SessionPage& page) {
+    std::vector<std::string> found;
+    const std::vector<SessionRecord> stored = store_.list(page).value();
+    for (const SessionRecord& session : stored) found.push_back(session.id);
+    return found;
+  };
+  EXPECT_THAT(ids({}), ElementsAre("c", "a", "b"));
+  EXPECT_THAT(ids({.limit = 2}), ElementsAre("c", "a"));
+  const std::int64_t after = store_.list({.limit = 2}).value().back().number;
+  EXPECT_THAT(ids({.after = after}), ElementsAre("b"));
+  EXPECT_THAT(ids({.robot = "cart-b"}), ElementsAre("b"));
+  EXPECT_EQ(store_.count("cart-b").value(), 1U);
+  EXPECT_EQ(store_.count("cart-x").value(), 0U);
+}
+
+TEST_F(SessionStoreTest, RemovesSessionsThatWereNotUsedSinceATime) {
+  ASSERT_TRUE(store_.insert(record("s1")));
+  ASSERT_TRUE(store_.insert(record("s2")));
+  const LocalizerState state = sample_state(0, 1, 0);
+  const SessionUpdate used{
+      .expected_sequence = 1, .last_answer = "{}", .state = &state, .now = "2024-05-03T00:00:00Z"};
+  ASSERT_TRUE(store_.update("s1", used));
+  EXPECT_EQ(store_.find("s1").value().value().last_used, "2024-05-03T00:00:00Z");
+  EXPECT_EQ(store_.find("s2").value().value().last_used, "2024-05-01T00:00:00Z");
+  EXPECT_EQ(store_.remove_unused_since("2024-05-02T00:00:00Z").value(), 1U);
+  EXPECT_TRUE(store_.find("s1").value().has_value());
+  EXPECT_FALSE(store_.find("s2").value().has_value());
 }
 
 TEST_F(SessionStoreTest, NamesTheSessionThatCannotBeRead) {
