@@ -290,7 +290,8 @@ std::string lidar_to_json(const Lidar& lidar) {
   nlohmann::ordered_json json = {{"angle_min", lidar.angle_min},
                                  {"angle_increment", lidar.angle_increment},
                                  {"range_min", lidar.range_min},
-                                 {"range_max", lidar.range_max}};
+                                 {"range_max", nullptr}};  // JSON has no infinity.
+  if (std::isfinite(lidar.range_max)) json["range_max"] = lidar.range_max;
   if (lidar.beams) json["beams"] = *lidar.beams;
   const Pose2& mount = lidar.T_base_link_laser;
   json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};

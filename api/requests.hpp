@@ -28,13 +28,13 @@ struct RequestLimits {
 
 enum class BodyFormat { kJson, kCbor, kMessagePack };
 
-/// `lidar` of the contract. `beams` from the first scan when not given: after a parse of scans the
-/// caller fixes it for the batches to come, with lidar_to_json().
+/// `lidar` of the contract.
 struct Lidar {
   double angle_min = 0.0;
   double angle_increment = 0.0;
   double range_min = 0.0;
   double range_max = 0.0;
+  /// Ranges of a scan without angles of its own; any number when not given.
   std::optional<std::size_t> beams;
   Pose2 T_base_link_laser;
   friend bool operator==(const Lidar&, const Lidar&) = default;
@@ -46,7 +46,7 @@ struct PutMapRequest {
   std::optional<std::string> parameters_json;  ///< Normalised text of the validated member.
 };
 struct MapScansRequest {
-  /// The body's, or else the map's; with `beams`. Nothing when each scan brings its own.
+  /// The body's, or else the map's. Nothing when each scan brings its own.
   std::optional<Lidar> lidar;
   std::vector<PosedScan> scans;
   /// Instead of `scans` where none has a pose; stamps strictly increase.

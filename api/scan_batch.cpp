@@ -1,6 +1,7 @@
 #include "api/scan_batch.hpp"
 
 #include <array>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -19,7 +20,7 @@ constexpr std::array<GeometryMember, 4> kGeometry{{
     {"angle_min", "the first beam's angle in radians", &LaserScan::angle_min},
     {"angle_increment", "radians from beam to beam", &LaserScan::angle_increment},
     {"range_min", "the shortest range in metres", &LaserScan::range_min},
-    {"range_max", "the longest range in metres", &LaserScan::range_max},
+    {"range_max", "the longest range in metres, null for no limit", &LaserScan::range_max},
 }};
 
 LaserScan geometry_of(const Lidar& lidar) {
@@ -57,10 +58,32 @@ std::optional<double> read_stamp(const JsonField& scan) {
   return stamp ? read_ros_stamp(*stamp) : std::nullopt;
 }
 
+/// Whether a scan brings its own angles, and with them its own number of ranges.
+bool has_own_angles(const nlohmann::json& scan) {
+  const auto is_given = [&](const char* name) {
+    return scan.contains(name) && !scan[name].is_null();
+  };
+  return scan.is_object() && (is_given("angle_min") || is_given("angle_increment"));
+}
+
+/// Whether `object` says that its lidar has no limit: JSON has no infinity, so that rosbridge
+/// writes null; CBOR and MessagePack have it. A null without angles beside it is as if it were not
+/// there.
+bool has_infinite_range(const JsonField& object, bool is_lidar) {
+  const auto found = object.json().find("range_max");
+  if (found == object.json().end()) return false;
+  if (found->is_null()) return is_lidar || has_own_angles(object.json());
+  return found->is_number() && found->get<double>() == std::numeric_limits<double>::infinity();
+}
+
 /// The scan's own angles and ranges override the lidar's; without a lidar it must have them.
 bool read_geometry(const JsonField& scan, bool has_lidar, LaserScan& geometry) {
   bool good = true;
   for (const auto& [name, meaning, member] : kGeometry) {
+    if (member == &LaserScan::range_max && has_infinite_range(scan, !has_lidar)) {
+      geometry.range_max = std::numeric_limits<double>::infinity();
+      continue;
+    }
     const auto field = has_lidar ? scan.find(name) : scan.require(name, meaning);
     const auto number = field ? field->as_number() : std::nullopt;
     if (number) geometry.*member = *number;
@@ -79,16 +102,13 @@ bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& po
 class BatchReader {
  public:
   BatchReader(Document& document, ScanBatch& batch, StampOrder order, MapPose map_pose)
-      : document_(document), batch_(batch), order_(order), map_pose_(map_pose) {
-    if (batch.lidar) beams_ = batch.lidar->beams;
-  }
+      : document_(document), batch_(batch), order_(order), map_pose_(map_pose) {}
 
   void read(const JsonField& scans) {
     const std::size_t count = scans.json().size();
     batch_.scans.resize(count);
     document_.ranges.resize(count);
     for (std::size_t i = 0; i < count; ++i) read_scan(scans.item(i), i);
-    if (batch_.lidar) batch_.lidar->beams = beams_;
   }
 
  private:
@@ -128,10 +148,11 @@ class BatchReader {
       ranges->fail("must have at least one value");
       return false;
     }
-    if (!beams_) beams_ = scan.ranges.size();
-    if (scan.ranges.size() == *beams_) return true;
+    const bool is_of_lidar = batch_.lidar && !has_own_angles(field.json());
+    const auto expected = is_of_lidar ? batch_.lidar->beams : std::nullopt;
+    if (!expected || scan.ranges.size() == *expected) return true;
     ranges->fail(std::to_string(scan.ranges.size()) + " values, expected " +
-                 std::to_string(*beams_) + " as the lidar has beams");
+                 std::to_string(*expected) + " (from lidar.beams)");
     return false;
   }
 
@@ -139,11 +160,10 @@ class BatchReader {
   ScanBatch& batch_;
   StampOrder order_;
   MapPose map_pose_;
-  std::optional<std::size_t> beams_;
   std::optional<double> last_stamp_;
 };
 
-/// Whether `lidar` is `known`, which may tell the number of beams beside.
+/// Whether `lidar` is `known`, which may have `beams` besides.
 bool same_but_beams(Lidar lidar, const Lidar& known) {
   lidar.beams = known.beams;
   return lidar == known;
@@ -158,10 +178,6 @@ bool choose_lidar(const JsonField& body, const std::optional<Lidar>& known,
   chosen = read_lidar(*field);
   if (chosen && !chosen->beams && known && same_but_beams(*chosen, *known)) chosen = known;
   return chosen.has_value();
-}
-
-bool has_geometry(const nlohmann::json& scan) {
-  return scan.is_object() && scan.contains("angle_min");
 }
 
 }  // namespace
@@ -201,7 +217,7 @@ ScanBatch read_scan_batch(Document& document, const std::optional<Lidar>& lidar,
   if (!scans) return batch;
   if (!scans->json().is_array() || scans->json().empty()) {
     scans->fail("must be an array of 1 or more scans");
-  } else if (!batch.lidar && !has_geometry(scans->json().front())) {
+  } else if (!batch.lidar && !has_own_angles(scans->json().front())) {
     body.fail_member("lidar", "is needed: angle_min, angle_increment, range_min, range_max");
   } else {
     BatchReader(document, batch, order, map_pose).read(*scans);

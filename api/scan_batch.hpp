@@ -18,7 +18,7 @@ struct BatchScan {
 };
 
 struct ScanBatch {
-  std::optional<Lidar> lidar;  ///< In use, with `beams`; nothing when each scan brings its own.
+  std::optional<Lidar> lidar;  ///< In use; nothing when each scan brings its own.
   std::vector<BatchScan> scans;
 
   [[nodiscard]] Pose2 T_base_link_laser() const {

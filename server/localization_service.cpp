@@ -250,8 +250,7 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
     const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                         .expected_sequence = session.record.expected_sequence,
                                         .last_answer = session.record.last_answer,
-                                        .state = &forgotten,
-                                        .beams = session.lidar.beams.value_or(0)};
+                                        .state = &forgotten};
     const auto saved =
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
@@ -306,7 +305,6 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .sequence = request.sequence,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
-  session.lidar.beams = last.scan.ranges.size();
   if (auto saved = save(session, request.sequence + 1, answer); !saved) return saved.error();
   session.status = batch.answer.status;
   session.last_scan = last;
@@ -324,8 +322,7 @@ Result<void> LocalizationService::save(Session& session, std::uint64_t expected_
   const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                       .expected_sequence = expected_sequence,
                                       .last_answer = answer,
-                                      .state = &state,
-                                      .beams = session.lidar.beams.value_or(0)};
+                                      .state = &state};
   auto saved = stores_->with_sessions(
       [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
   if (!saved) return saved;
@@ -391,7 +388,6 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.params = api::params_from_json(record.options_json);
   session.stored_state = std::exchange(record.state, {});
   session.record = std::move(record);
-  if (!session.lidar.beams && session.record.beams > 0) session.lidar.beams = session.record.beams;
   for (std::size_t i = 0; i < session.record.maps.size(); ++i) {
     const std::int64_t map_id = session.record.map_ids[i];
     if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);

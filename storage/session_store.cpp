@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kSelectSession =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state, beams FROM sessions WHERE id = ?";
+    "state FROM sessions WHERE id = ?";
 
 Error unknown_session(std::string_view id) {
   return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
@@ -51,11 +51,11 @@ std::vector<SubmapScanKey> sync_submap(Database& database, std::int64_t session,
 }
 
 void write_answer(Database& database, std::int64_t session, std::uint64_t expected_sequence,
-                  std::string_view last_answer, BlobView state, std::size_t beams) {
+                  std::string_view last_answer, BlobView state) {
   Statement(database,
-            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, beams = ? "
+            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ? "
             "WHERE number = ?")
-      .bind(expected_sequence, last_answer, state, beams, session)
+      .bind(expected_sequence, last_answer, state, session)
       .run();
 }
 
@@ -109,7 +109,6 @@ Result<std::optional<SessionRecord>> read_session(Database& database, std::strin
   record.options_json = row.text(5);
   record.expected_sequence = row.number(6);
   record.last_answer = row.text(7);
-  record.beams = row.number(9);
   Result<LocalizerState> state = read_state(database, session, row.blob(8));
   if (!state) {
     return Error{state.error().code, "session " + record.id + ": " + state.error().message,
@@ -167,7 +166,7 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, session, record.state.submap, {});
     write_answer(*database_, session, record.expected_sequence, record.last_answer,
-                 encode_localizer_state(record.state, submap), record.beams);
+                 encode_localizer_state(record.state, submap));
     transaction.commit();
     return {};
   });
@@ -187,7 +186,7 @@ Result<void> SessionStore::update(std::string_view id, const SessionUpdate& upda
     const std::vector<SubmapScanKey> submap =
         sync_submap(*database_, stored->number, update.state->submap, std::move(stored->submap));
     write_answer(*database_, stored->number, update.expected_sequence, update.last_answer,
-                 encode_localizer_state(*update.state, submap), update.beams);
+                 encode_localizer_state(*update.state, submap));
     transaction.commit();
     return {};
   });

@@ -33,7 +33,6 @@ struct SessionRecord {
   LocalizerState state;
   /// Of the maps when they were asked for, in their order; 0 where not known.
   std::vector<std::int64_t> map_ids{};
-  std::size_t beams = 0;  ///< Of each scan; 0 before the first.
 };
 
 /// What one batch (or a reset) changes.
@@ -44,7 +43,6 @@ struct SessionUpdate {
   std::string_view last_answer;
   const LocalizerState* state = nullptr;  ///< Only submap scans that are not stored yet are
                                           ///< written; those no longer there go.
-  std::size_t beams = 0;                  ///< Of each scan; 0 before the first.
 };
 
 class SessionStore {
