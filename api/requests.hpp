@@ -2,8 +2,8 @@
 ///
 /// Bodies are JSON (scans by simdjson), CBOR or MessagePack by content type. A parse gives a
 /// request that is valid in every field, or a Problem with a pointer to each wrong one (at most
-/// 20). Limits are checked while parsing. Unknown members are ignored, but in `options` and
-/// `parameters` they are wrong. A member that is there twice makes a body malformed.
+/// 20). Limits are checked while parsing. Unknown members are wrong, but those of ROS messages that
+/// are not used. A member that is there twice makes a body malformed.
 #pragma once
 
 #include <cstdint>

@@ -3,13 +3,20 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
+
+#include "api/ros_odometry.hpp"
 
 namespace cornerfix::api {
 namespace {
 
 constexpr std::uint64_t kMaxLidarBeams = 1'000'000;
 constexpr double kNanosecond = 1e-9;
+
+/// std_msgs/Header; only the stamp is used.
+constexpr std::array<std::string_view, 3> kHeaderMembers{"seq", "stamp", "frame_id"};
 
 struct GeometryMember {
   const char* name;
@@ -35,6 +42,7 @@ LaserScan geometry_of(const Lidar& lidar) {
 /// {secs, nsecs} of ROS 1 or {sec, nanosec} of ROS 2.
 std::optional<double> read_ros_stamp(const JsonField& stamp) {
   if (!stamp.expect_object()) return std::nullopt;
+  stamp.expect_members({"secs", "nsecs", "sec", "nanosec"});
   const auto ros1 = stamp.find("secs");
   const auto seconds_field = ros1 ? ros1 : stamp.require("sec", "seconds, with nanosec");
   if (!seconds_field) return std::nullopt;
@@ -47,13 +55,12 @@ std::optional<double> read_ros_stamp(const JsonField& stamp) {
 }
 
 std::optional<double> read_stamp(const JsonField& scan) {
-  if (const auto stamp = scan.find("stamp")) return stamp->as_number();
   const auto header = scan.find("header");
-  if (!header) {
-    scan.fail_member("stamp", "is needed: seconds");
-    return std::nullopt;
-  }
-  if (!header->expect_object()) return std::nullopt;
+  const bool has_header = header && header->expect_object();
+  if (has_header) header->expect_members(kHeaderMembers);
+  if (const auto stamp = scan.find("stamp")) return stamp->as_number();
+  if (!header) scan.fail_member("stamp", "is needed: seconds");
+  if (!has_header) return std::nullopt;
   const auto stamp = header->require("stamp", "{secs, nsecs} or {sec, nanosec}");
   return stamp ? read_ros_stamp(*stamp) : std::nullopt;
 }
@@ -96,7 +103,25 @@ bool read_geometry(const JsonField& scan, bool has_lidar, LaserScan& geometry) {
 bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& pose) {
   const auto field = scan.find(name);
   if (field) pose = field->as_pose();
+  if (pose) field->expect_members({"x", "y", "yaw"});
   return !field || pose;
+}
+
+/// The same for odometry, which may also be a nav_msgs/Odometry.
+bool read_odometry(const JsonField& scan, std::optional<Pose2>& pose) {
+  const auto field = scan.find("odom");
+  if (!field || !is_ros_odometry(field->json())) return read_pose(scan, "odom", pose);
+  pose = read_ros_odometry(*field);
+  return pose.has_value();
+}
+
+/// The members of a scan: ours, and those of sensor_msgs/LaserScan, also the unused ones.
+void expect_scan_members(const JsonField& scan, MapPose map_pose) {
+  std::vector<std::string_view> known = {
+      "stamp",           "ranges",         "odom",      "header",    "angle_min", "angle_max",
+      "angle_increment", "time_increment", "scan_time", "range_min", "range_max", "intensities"};
+  if (map_pose == MapPose::kTaken) known.emplace_back("pose");
+  scan.expect_members(known);
 }
 
 class BatchReader {
@@ -119,10 +144,11 @@ class BatchReader {
     const auto stamp = read_stamp(field);
     if (stamp) check_order(field, *stamp);
     bool good = stamp.has_value();
+    expect_scan_members(field, map_pose_);
     out.scan.stamp = stamp.value_or(0.0);
     good &= read_geometry(field, batch_.lidar.has_value(), out.scan);
     good &= read_ranges(field, index, out.scan);
-    good &= read_pose(field, "odom", out.T_odom_base_link);
+    good &= read_odometry(field, out.T_odom_base_link);
     if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
       field.fail_member(error->field, error->message);
@@ -194,6 +220,8 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
   }
   std::optional<Pose2> mount;
   good &= read_pose(field, "mount", mount);
+  field.expect_members({"angle_min", "angle_max", "angle_increment", "time_increment", "scan_time",
+                        "range_min", "range_max", "beams", "mount"});
   if (!good) return std::nullopt;
   geometry.ranges.resize(lidar.beams.value_or(0));
   if (const auto error = validate(geometry)) {

@@ -27,7 +27,7 @@ struct ScanBatch {
 };
 
 enum class StampOrder { kAny, kIncreasing };
-enum class MapPose { kIgnored, kTaken };
+enum class MapPose { kRefused, kTaken };
 
 /// Nothing when it is wrong, which the field's errors tell.
 [[nodiscard]] std::optional<Lidar> read_lidar(const JsonField& field);

@@ -90,12 +90,28 @@ TEST(SessionScans, TakeNullOdometryAsNone) {
   EXPECT_FALSE(request.scans.at(0).T_odom_base_link.has_value());
 }
 
-TEST(SessionScans, IgnoreUnknownMembersWhateverTheyHold) {
-  const auto request = taken(parse_session_scans(
-      R"({"sequence": 0, "client": {"v": [1, {"ranges": ["x"]}]}, "scans": [
-          {"stamp": 1, "ranges": [1, 2, 3], "intensities": [1, "x", {"y": [null]}], "seq": {}}]})",
-      BodyFormat::kJson, three_beam_lidar(), {}));
+TEST(SessionScans, TakeUnusedMembersOfALaserScanWhateverTheyHold) {
+  const auto request = session_scans(
+      R"({"stamp": 1, "ranges": [1, 2, 3], "intensities": [1, "x", {"y": [null]}],
+          "angle_max": null, "scan_time": {},
+          "header": {"seq": [], "frame_id": 7}})");
   EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F, 3.0F));
+}
+
+TEST(SessionScans, TakeOdometryAsRosbridgeSendsIt) {
+  const auto request = session_scans(R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {
+      "header": {"seq": 1, "stamp": {"secs": 1, "nsecs": 0}, "frame_id": "odom"},
+      "child_frame_id": "base_footprint",
+      "pose": {"pose": {"position": {"x": 1.5, "y": -2.0, "z": 0.1},
+                        "orientation": {"x": 0, "y": 0, "z": 0.7071067811865476,
+                                        "w": 0.7071067811865476}},
+               "covariance": [0, 0, 0]},
+      "twist": {"twist": {}, "covariance": []}}})");
+  const auto& T_odom_base_link = request.scans.at(0).T_odom_base_link;
+  ASSERT_TRUE(T_odom_base_link);
+  EXPECT_EQ(T_odom_base_link->x, 1.5);
+  EXPECT_EQ(T_odom_base_link->y, -2.0);
+  EXPECT_NEAR(T_odom_base_link->yaw, kPi / 2.0, 1e-12);
 }
 
 TEST(SessionScans, TakeARangeMaxOfNullBesideAnglesForNoLimit) {
