@@ -18,7 +18,7 @@ constexpr std::size_t kBagMagicBytes = sizeof "#ROSBAG V2.0\n" - 1;
 constexpr std::uint32_t kMaxHeaderBytes = 1U << 20U;
 
 struct BagOp {
-  enum : std::uint8_t { kMessage = 0x02, kChunk = 0x05, kConnection = 0x07 };
+  enum : std::uint8_t { kMessage = 0x02, kIndex = 0x04, kChunk = 0x05, kConnection = 0x07 };
 };
 
 /// The fields name=value of a record's header; views of its bytes.
@@ -94,7 +94,8 @@ class Ros1Bag final : public MessageSource {
     const auto size = WireReader(length).number<std::uint32_t>();
     if (*op != BagOp::kChunk || size > kMaxChunkBytes) {
       if (*op == BagOp::kChunk) faults.add(where, "a chunk of " + std::to_string(size) + " bytes");
-      if (!file_.skip(size)) return ends_here("a record that is cut off");
+      const std::uint64_t skipped = *op == BagOp::kIndex ? index_bytes(*fields, size) : size;
+      if (!file_.skip(skipped)) return ends_here("a record that is cut off");
       return std::nullopt;
     }
     std::vector<std::byte> packed;
@@ -105,6 +106,14 @@ class Ros1Bag final : public MessageSource {
 
   /// A length and as many bytes.
   bool read_block(std::vector<std::byte>& out, std::uint32_t max_size) {
+  /// How many bytes of index follow. Bags written in 2010 claim 20 bytes per entry and hold 12;
+  /// rosbag counts entries as well, and does not look at the length.
+  static std::uint64_t index_bytes(const Fields& fields, std::uint32_t size) {
+    constexpr std::uint64_t kEntryBytes = sizeof(std::uint64_t) + sizeof(std::uint32_t);
+    const auto entries = fields.number<std::uint32_t>("count");
+    return entries ? *entries * kEntryBytes : size;
+  }
+
     std::vector<std::byte> length;
     if (!file_.read(sizeof(std::uint32_t), length)) return false;
     const auto size = WireReader(length).number<std::uint32_t>();

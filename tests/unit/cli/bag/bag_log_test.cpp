@@ -238,6 +238,17 @@ TEST_F(BagReading, DoesNotBelieveTheSizeThatAChunkTells) {
   }
 }
 
+TEST_F(BagReading, ReadsARos1BagWhoseIndexClaimsAWrongLength) {
+  std::string bag = ros1_bag(drive(kRos1, 20), "none");
+  const std::string right = index_record(3, 3 * 12);
+  for (std::size_t at = bag.find(right); at != std::string::npos; at = bag.find(right, at + 1)) {
+    bag.replace(at, right.size(), index_record(3, 3 * 20));
+  }
+  const RecordedLog log = read(directory_.write("a.bag", bag));
+  EXPECT_THAT(log.scans, SizeIs(20));
+  EXPECT_EQ(faults_.count(), 0U);
+}
+
 TEST_F(BagReading, CountsScansThatGoBackInTime) {
   const std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0), scan_message(kRos1, 3.0),
                                                 scan_message(kRos1, 2.0), scan_message(kRos1, 3.0),
