@@ -58,7 +58,7 @@ std::optional<LogFormat> format_by_first_line(const std::filesystem::path& path)
   const std::string_view line = lines->line();
   if (line.starts_with("{")) return LogFormat::kJsonLines;
   for (const char* word : {"# CARMEN", "# message_name", "PARAM ", "SYNC ", "ODOM ", "FLASER ",
-                           "RLASER ", "ROBOTLASER", "RAWLASER"}) {
+                           "RLASER ", "ROBOTLASER", "RAWLASER", "LASER_READING "}) {
     if (line.starts_with(word)) return LogFormat::kCarmen;
   }
   return std::nullopt;

@@ -1,10 +1,10 @@
 #include "cli/log_reader.hpp"
 
-#include <cstdio>
 #include <utility>
 
 #include "cli/log_format.hpp"
 #include "cli/log_source.hpp"
+#include "cli/stamp_order.hpp"
 
 namespace cornerfix::cli {
 
@@ -36,12 +36,6 @@ Result<std::unique_ptr<LogSource>> open_source(const std::filesystem::path& path
   return Error{ErrorCode::kInternal, "format without reader", path.string()};
 }
 
-std::string seconds_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6f s", seconds);
-  return text;
-}
-
 /// "3 broken records left out, the first at line 7, byte 120: FLASER: expected 180 ranges".
 std::string faults_text(const LogFaults& faults) {
   const LogFault& first = faults.first().front();
@@ -53,7 +47,9 @@ std::string faults_text(const LogFaults& faults) {
 }  // namespace
 
 LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path)
-    : source_(std::move(source)), name_(plain_name(path)) {}
+    : source_(std::move(source)),
+      path_(path),
+      order_(std::make_unique<StampOrder>()) {}
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 
@@ -61,26 +57,53 @@ Result<LogReader> LogReader::open(const std::filesystem::path& path, const std::
   Result<std::unique_ptr<LogSource>> source = open_source(path, lidar);
   if (!source) return source.error();
   LogReader reader(std::move(*source), path);
-  reader.first_ = reader.next_in_order();
-  if (!reader.first_) {
+  reader.ahead_ = reader.next_in_order();
+  if (!reader.ahead_) {
     const std::string which = lidar.empty() ? "" : " of " + lidar;
     const std::string why = remarks(reader);
     return Error{ErrorCode::kMalformed, "holds no scan" + which + (why.empty() ? "" : "; " + why),
                  path.string()};
   }
   reader.header_ = reader.source_->header();
-  if (reader.header_.name.empty()) reader.header_.name = reader.name_;
+  if (reader.header_.name.empty()) reader.header_.name = plain_name(path);
   return reader;
+}
+
+void set_lidar(LogHeader& header, const LaserScan& scan) {
+  header.beams = scan.ranges.size();
+  header.lidar = scan;
+  header.lidar.ranges.clear();
+  header.lidar.stamp = 0.0;
+}
+
+bool has_lidar_of(const LogHeader& header, const LaserScan& scan) {
+  const LaserScan& lidar = header.lidar;
+  return scan.ranges.size() == header.beams && scan.angle_min == lidar.angle_min &&
+         scan.angle_increment == lidar.angle_increment && scan.range_min == lidar.range_min &&
+         scan.range_max == lidar.range_max;
 }
 
 const LogHeader& LogReader::header() const { return header_; }
 
 double LogReader::progress() const { return source_->progress(); }
 
-const std::vector<std::string>& LogReader::notes() const { return source_->notes(); }
+std::vector<std::string> LogReader::notes() const {
+  std::vector<std::string> notes = source_->notes();
+  for (std::string& note : order_->notes()) notes.push_back(std::move(note));
+  return notes;
+}
+
+std::optional<Error> LogReader::most_scans_lost() const {
+  const std::size_t lost = faults_.scans();
+  if (lost <= scans_) return std::nullopt;
+  return Error{ErrorCode::kMalformed,
+               std::to_string(lost) + " of " + std::to_string(lost + scans_) +
+                   " scans were left out; " + remarks(*this),
+               path_.string()};
+}
 
 std::optional<LogScan> LogReader::next() {
-  if (first_) return std::exchange(first_, std::nullopt);
+  if (ahead_) return std::exchange(ahead_, std::nullopt);
   return next_in_order();
 }
 
@@ -88,12 +111,9 @@ std::optional<LogScan> LogReader::next_in_order() {
   while (true) {
     std::optional<LogScan> scan = source_->next(faults_);
     if (!scan) return scan;
-    if (!last_stamp_ || scan->scan.stamp > *last_stamp_) {
-      last_stamp_ = scan->scan.stamp;
-      return scan;
-    }
-    faults_.add("stamp " + seconds_text(scan->scan.stamp),
-                "not after " + seconds_text(*last_stamp_) + " of the scan before");
+    if (!order_->take(*scan, faults_)) continue;
+    ++scans_;
+    return scan;
   }
 }
 

@@ -26,13 +26,18 @@
 
 namespace cornerfix::cli {
 
-/// What all scans of a log share.
+/// What is known of a log as a whole.
 struct LogHeader {
   std::string name;
-  LaserScan lidar;        ///< Geometry; its ranges are empty.
-  std::size_t beams = 0;  ///< Of every scan.
+  LaserScan lidar;        ///< Geometry of the first scan; its ranges are empty. Others may differ.
+  std::size_t beams = 0;  ///< Of the first scan.
   std::string source;     ///< Where the log comes from, for people; may be empty.
 };
+
+/// Takes the geometry of `scan` for that of the log.
+void set_lidar(LogHeader& header, const LaserScan& scan);
+/// Whether a scan has exactly the geometry of the log's header.
+[[nodiscard]] bool has_lidar_of(const LogHeader& header, const LaserScan& scan);
 
 /// One line of a log.
 struct LogScan {
@@ -40,6 +45,7 @@ struct LogScan {
   std::optional<Pose2> T_odom_laser;
   std::optional<Pose2> T_map_laser;  ///< The reference pose.
   bool is_key_scan = false;  ///< Some logs mark the scans whose reference pose is not interpolated.
+  bool begins_run = false;  ///< The clock was set back: the robot may stand anywhere.
 };
 
 /// A whole log in memory.
@@ -49,10 +55,11 @@ struct RecordedLog {
 };
 
 class LogSource;
+class StampOrder;
 
-/// Reads a log scan by scan, and holds no more of it than it needs for the next one. Records that
-/// are broken, and scans that are no younger than the one before, are left out and counted. One
-/// thread at a time.
+/// Reads a log scan by scan, and holds no more of it than it needs for the next one. Stamps
+/// strictly increase: see stamp_order.hpp. Records that are broken, and scans out of order, are left out and
+/// counted. One thread at a time.
 class LogReader {
  public:
   /// More beams than this has no lidar.
@@ -74,22 +81,26 @@ class LogReader {
   /// What was left out so far.
   [[nodiscard]] const LogFaults& faults() const { return faults_; }
   /// What was assumed, for people.
-  [[nodiscard]] const std::vector<std::string>& notes() const;
+  [[nodiscard]] std::vector<std::string> notes() const;
+  /// That more scans were left out than given out so far, with what is known about why; nothing
+  /// when there were not.
+  [[nodiscard]] std::optional<Error> most_scans_lost() const;
 
  private:
   LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path);
   [[nodiscard]] std::optional<LogScan> next_in_order();
 
   std::unique_ptr<LogSource> source_;
-  std::string name_;  ///< Of the file.
+  std::filesystem::path path_;
   LogHeader header_;
   LogFaults faults_;
-  std::optional<double> last_stamp_;
-  std::optional<LogScan> first_;  ///< Read ahead by open().
+  std::unique_ptr<StampOrder> order_;
+  std::size_t scans_ = 0;         ///< Given out, and `ahead_`.
+  std::optional<LogScan> ahead_;  ///< Read, but not given out.
 };
 
-/// What a person should know of a log that was read: notes, and the broken records. Empty when
-/// there is nothing to tell.
+/// What a person should know about a log that was read: notes, and the broken records. May be
+/// empty.
 [[nodiscard]] std::string remarks(const LogReader& reader);
 
 /// All of a log; `stride` n keeps every n-th scan, from the first.

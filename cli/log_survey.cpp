@@ -18,6 +18,7 @@ Result<LogSurvey> survey_log(const std::filesystem::path& path, const std::strin
     ++survey.posed_scans;
     if (scan->is_key_scan) ++survey.posed_key_scans;
   }
+  if (auto error = reader->most_scans_lost()) return *error;
   survey.remarks = remarks(*reader);
   return survey;
 }

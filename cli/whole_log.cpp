@@ -14,6 +14,7 @@ Result<RecordedLog> read_whole_log(const std::string& path, const std::string& l
     Progress progress("reading");
     log = read_all(*reader, stride, [&](double share) { progress.update(share); });
   }
+  if (auto error = reader->most_scans_lost()) return *error;
   warn(path, remarks(*reader));
   return log;
 }

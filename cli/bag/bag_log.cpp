@@ -10,7 +10,6 @@
 #include "cli/bag/ros1_bag.hpp"
 #include "cli/bag/sqlite_bag.hpp"
 #include "cli/log_source.hpp"
-#include "cli/scan_parser.hpp"
 
 namespace cornerfix::cli {
 
@@ -91,7 +90,7 @@ class BagLog final : public LogSource {
       return;
     }
     Result<LaserScanMessage> scan = parse_laser_scan(message.bytes, message.format);
-    if (!scan) return faults.add(message.where, scan.error().message);
+    if (!scan) return faults.add_scan(message.where, scan.error().message);
     if (scan->scan.stamp == 0.0) scan->scan.stamp = message.received;
     waiting_.push_back({std::move(*scan), message.received, message.where});
   }
@@ -150,26 +149,13 @@ class BagLog final : public LogSource {
     const auto& in_level = in_odom ? in_odom : in_map;
     const double upright = in_level ? uprightness(in_level->T_ancestor_frame) : 1.0;
     if (std::abs(upright) < kLeastUpright) {
-      faults.add(waiting.where, "the laser does not look along the floor: it is tilted by " +
+      faults.add_scan(waiting.where, "the laser does not look along the floor: it is tilted by " +
                                     std::to_string(std::acos(upright)) + " rad");
       return std::nullopt;
     }
     if (upright < 0.0) out.scan = turned_over(std::move(out.scan));
-    return check(std::move(out), waiting.where, faults);
-  }
-
-  /// The first scan makes the header, which all others must fit.
-  std::optional<LogScan> check(LogScan scan, const std::string& where, LogFaults& faults) {
-    const std::size_t beams = scan.scan.ranges.size();
-    if (header_.beams == 0) {
-      header_.beams = beams;
-      header_.lidar = scan.scan;
-      header_.lidar.ranges.clear();
-      header_.lidar.stamp = 0.0;
-    }
-    if (beams == header_.beams && has_geometry_of(scan.scan, header_.lidar)) return scan;
-    faults.add(where, "LaserScan: other beams, angles or ranges than in the first scan");
-    return std::nullopt;
+    if (header_.beams == 0) set_lidar(header_, out.scan);
+    return out;
   }
 
   std::unique_ptr<MessageSource> messages_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "cli/log_reader.hpp"
@@ -18,6 +19,7 @@ using testing::SizeIs;
 constexpr double kPi = std::numbers::pi;
 constexpr WireFormat kRos1 = WireFormat::kRos1;
 constexpr WireFormat kCdr = WireFormat::kCdr;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 WrittenMessage scan_message(WireFormat format, double stamp, const std::string& topic = "/scan") {
   const char* type = format == kRos1 ? "sensor_msgs/LaserScan" : "sensor_msgs/msg/LaserScan";
@@ -258,11 +260,29 @@ TEST_F(BagReading, CountsScansThatGoBackInTime) {
   EXPECT_EQ(faults_.first()[0].where, "stamp 2.000000 s");
 }
 
-TEST_F(BagReading, CountsScansOfAnotherGeometry) {
-  std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0), scan_message(kRos1, 2.0)};
-  messages[1].bytes = laser_scan(kRos1, 2.0, {1.0F, 2.0F, 3.0F, 4.0F});
-  EXPECT_THAT(read(directory_.write("a.bag", ros1_bag({messages}, "none"))).scans, SizeIs(1));
-  EXPECT_THAT(remarks_, HasSubstr("other beams, angles or ranges than in the first scan"));
+TEST_F(BagReading, UsesEachScanWithItsOwnGeometry) {
+  std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0), scan_message(kRos1, 2.0),
+                                          scan_message(kRos1, 3.0)};
+  messages[1].bytes = laser_scan(kRos1, 2.0, {1.0F, 2.0F, 3.0F, 4.0F}, "laser", {-1.0F, 0.5F});
+  messages[2].bytes = laser_scan(kRos1, 3.0, {1.0F, 2.0F, 3.0F}, "laser", {-1.0F, 1.0F, 2.5F});
+  const RecordedLog log = read(directory_.write("a.bag", ros1_bag({messages}, "none")));
+  ASSERT_THAT(log.scans, SizeIs(3));
+  EXPECT_EQ(faults_.count(), 0U);
+  EXPECT_EQ(log.header.beams, 3U);
+  EXPECT_EQ(log.scans[0].scan.range_max, 20.0);
+  EXPECT_THAT(log.scans[1].scan.ranges, SizeIs(4));
+  EXPECT_EQ(log.scans[1].scan.angle_increment, 0.5);
+  EXPECT_EQ(log.scans[2].scan.range_max, 2.5);
+}
+
+TEST_F(BagReading, TakesAnInfiniteRangeMaxForNoLimit) {
+  WrittenMessage message = scan_message(kRos1, 1.0);
+  message.bytes =
+      laser_scan(kRos1, 1.0, {1.0F, 200.0F, kInfinity}, "laser", {-1.0F, 1.0F, kInfinity});
+  const RecordedLog log = read(directory_.write("a.bag", ros1_bag({{message}}, "none")));
+  ASSERT_THAT(log.scans, SizeIs(1));
+  EXPECT_TRUE(log.scans[0].scan.has_return(1));
+  EXPECT_FALSE(log.scans[0].scan.has_return(2));
 }
 
 TEST_F(BagReading, SaysWhatIsWrongWithAFileThatIsNoBag) {
