@@ -23,7 +23,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string log;
-  std::string lidar;
+  LogSelection selection;
   std::string map_log;
   std::string other_map_log;
   std::string map_grid;
@@ -103,11 +103,11 @@ void mark_key_scans(RecordedLog& log) {
 /// A log and those of later drives, as one.
 Result<RecordedLog> read_drives(const EvaluateArguments& arguments) {
   Result<RecordedLog> log =
-      read_whole_log(arguments.mapping_log(), arguments.lidar, arguments.stride);
+      read_whole_log(arguments.mapping_log(), arguments.selection, arguments.stride);
   if (!log || arguments.update_logs.empty()) return log;
   mark_key_scans(*log);
   for (const std::string& path : arguments.update_logs) {
-    Result<RecordedLog> later = read_whole_log(path, arguments.lidar, arguments.stride);
+    Result<RecordedLog> later = read_whole_log(path, arguments.selection, arguments.stride);
     if (!later) return later.error();
     mark_key_scans(*later);
     std::ranges::move(later->scans, std::back_inserter(log->scans));
@@ -126,7 +126,7 @@ Result<Evaluation> map_of_all(const RecordedLog& log, const std::string& path,
 
 /// The map of all of a log.
 Result<Evaluation> map_of_file(const std::string& path, const EvaluateArguments& arguments) {
-  const Result<RecordedLog> log = read_whole_log(path, arguments.lidar, arguments.stride);
+  const Result<RecordedLog> log = read_whole_log(path, arguments.selection, arguments.stride);
   if (!log) return log.error();
   return map_of_all(*log, path, arguments);
 }
@@ -189,7 +189,7 @@ struct Task {
 };
 
 Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) {
-  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar, arguments.stride);
+  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.selection, arguments.stride);
   if (!log) return log.error();
   Task task{std::move(*log), {}, {}, {}};
   if (!arguments.map_grid.empty()) {
@@ -297,10 +297,8 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
       "evaluate",
       "Score the localizer on a log with reference poses: one part maps, the rest asks");
   command->option_defaults()->always_capture_default();
-  command->add_option("LOG", arguments->log, "Log whose scans ask")
-      ->required()
-      ->check(CLI::ExistingFile);
-  add_lidar_option(*command, arguments->lidar);
+  add_log(*command, arguments->log)->description("Log whose scans ask");
+  add_selection(*command, arguments->selection);
   command->add_option(
       "--split", arguments->split,
       "Share of LOG that makes the map; or blocks:METRES, of which every other does");

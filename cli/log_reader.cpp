@@ -10,28 +10,24 @@ namespace cornerfix::cli {
 
 namespace {
 
-/// The file's name without ".gz" and its own extension.
+/// The name of the file without ".gz" and its own extension, or that of the directory.
 std::string plain_name(std::filesystem::path path) {
-  path = path.filename();
+  path = path.has_filename() ? path.filename() : path.parent_path().filename();
   if (path.extension() == ".gz") path = path.stem();
   return path.stem().string();
 }
 
 Result<std::unique_ptr<LogSource>> open_source(const std::filesystem::path& path,
-                                               const std::string& lidar) {
+                                               const LogSelection& selection) {
   const Result<LogFormat> format = detect_log_format(path);
   if (!format) return format.error();
   switch (*format) {
     case LogFormat::kJsonLines:
       return open_json_lines_log(path);
     case LogFormat::kCarmen:
-      return open_carmen_log(path, lidar);
-    case LogFormat::kRos1Bag:
-      return open_ros1_bag(path, lidar);
-    case LogFormat::kMcap:
-      return open_mcap(path, lidar);
-    case LogFormat::kSqliteBag:
-      return open_sqlite_bag(path, lidar);
+      return open_carmen_log(path, selection.lidar);
+    case LogFormat::kBag:
+      return open_bag(path, selection);
   }
   return Error{ErrorCode::kInternal, "format without reader", path.string()};
 }
@@ -53,13 +49,14 @@ LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::p
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 
-Result<LogReader> LogReader::open(const std::filesystem::path& path, const std::string& lidar) {
-  Result<std::unique_ptr<LogSource>> source = open_source(path, lidar);
+Result<LogReader> LogReader::open(const std::filesystem::path& path,
+                                  const LogSelection& selection) {
+  Result<std::unique_ptr<LogSource>> source = open_source(path, selection);
   if (!source) return source.error();
   LogReader reader(std::move(*source), path);
   reader.ahead_ = reader.next_in_order();
   if (!reader.ahead_) {
-    const std::string which = lidar.empty() ? "" : " of " + lidar;
+    const std::string which = selection.lidar.empty() ? "" : " of " + selection.lidar;
     const std::string why = remarks(reader);
     return Error{ErrorCode::kMalformed, "holds no scan" + which + (why.empty() ? "" : "; " + why),
                  path.string()};

@@ -6,8 +6,9 @@
 /// "kf": 1 on key scans; other members are ignored.
 /// CARMEN (.log, .clf, .gfs): FLASER, RLASER, ROBOTLASER1 and RAWLASER1 with ODOM and PARAM. A
 /// FLASER that says no more of its pose than its odometry does has no reference pose.
-/// Bags of ROS (.bag of format 2.0, .mcap, .db3): sensor_msgs/LaserScan with nav_msgs/Odometry and
-/// tf. Where tf knows `map`, the laser's pose there is the reference pose.
+/// Bags of ROS (.bag of format 2.0, .mcap, .db3, also .zstd; a directory of those):
+/// sensor_msgs/LaserScan, MultiEchoLaserScan or PointCloud2 with nav_msgs/Odometry and tf. Where tf
+/// knows `map`, the laser's pose there is the reference pose.
 /// All poses are of the laser.
 #pragma once
 
@@ -54,6 +55,24 @@ struct RecordedLog {
   std::vector<LogScan> scans;
 };
 
+/// Heights above the sensor [m].
+struct HeightBand {
+  double min_m = -0.15;
+  double max_m = 0.15;
+};
+
+/// What to take from a log that holds several.
+struct LogSelection {
+  /// A bag's topic or a CARMEN message ("RLASER"); empty for that of the most beams, in CARMEN logs
+  /// that of the first scan. Means nothing for JSON lines.
+  std::string lidar = {};
+  /// A bag's topic of nav_msgs/Odometry, which is then preferred to tf; empty for none in
+  /// particular.
+  std::string odometry = {};
+  /// Where a point cloud is cut.
+  HeightBand height = {};
+};
+
 class LogSource;
 class StampOrder;
 
@@ -66,10 +85,8 @@ class LogReader {
   static constexpr std::size_t kMaxBeams = 20000;
 
   /// Reads up to the first scan, so that the header is known.
-  /// \param lidar  Which lidar of a log with several: a bag's topic or a CARMEN message ("RLASER");
-  ///               empty for that of the first scan. Means nothing for JSON lines.
   [[nodiscard]] static Result<LogReader> open(const std::filesystem::path& path,
-                                              const std::string& lidar = "");
+                                              const LogSelection& selection = {});
   ~LogReader();
   LogReader(LogReader&&) noexcept;
 

@@ -4,9 +4,9 @@
 
 namespace cornerfix::cli {
 
-Result<LogSurvey> survey_log(const std::filesystem::path& path, const std::string& lidar,
+Result<LogSurvey> survey_log(const std::filesystem::path& path, const LogSelection& selection,
                              std::size_t stride) {
-  Result<LogReader> reader = LogReader::open(path, lidar);
+  Result<LogReader> reader = LogReader::open(path, selection);
   if (!reader) return reader.error();
   LogSurvey survey;
   Progress progress("reading");

@@ -23,7 +23,7 @@ namespace {
 struct ReplayArguments {
   ConnectionOptions connection;
   std::string log;
-  std::string lidar;
+  LogSelection selection;
   std::string map;
   std::string robot = "replay";
   LogPosition from;
@@ -49,11 +49,11 @@ class RobotScans {
   [[nodiscard]] static Result<RobotScans> open(const ReplayArguments& arguments) {
     std::size_t left_out = 0;
     if (arguments.split > 0.0) {
-      const Result<LogSurvey> survey = survey_log(arguments.log, arguments.lidar);
+      const Result<LogSurvey> survey = survey_log(arguments.log, arguments.selection);
       if (!survey) return survey.error();
       left_out = survey->posed_scans_in(arguments.split);
     }
-    Result<LogReader> reader = LogReader::open(arguments.log, arguments.lidar);
+    Result<LogReader> reader = LogReader::open(arguments.log, arguments.selection);
     if (!reader) return reader.error();
     RobotScans scans(std::move(*reader));
     if (scans.go_to(left_out, arguments.from)) return scans;
@@ -324,12 +324,8 @@ int run_replay(const ReplayArguments& arguments) {
 }
 
 void add_options(CLI::App& command, ReplayArguments& arguments) {
-  command
-      .add_option("LOG", arguments.log,
-                  "Recorded drive: .jsonl, .log, .clf, .gfs, also .gz; .bag, .mcap, .db3")
-      ->required()
-      ->check(CLI::ExistingFile);
-  add_lidar_option(command, arguments.lidar);
+  add_log(command, arguments.log);
+  add_selection(command, arguments.selection);
   command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)")
       ->check(map_name());
   command.add_option("--robot", arguments.robot, "Name of the robot")->capture_default_str();

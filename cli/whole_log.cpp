@@ -5,9 +5,9 @@
 
 namespace cornerfix::cli {
 
-Result<RecordedLog> read_whole_log(const std::string& path, const std::string& lidar,
+Result<RecordedLog> read_whole_log(const std::string& path, const LogSelection& selection,
                                    std::size_t stride) {
-  Result<LogReader> reader = LogReader::open(path, lidar);
+  Result<LogReader> reader = LogReader::open(path, selection);
   if (!reader) return reader.error();
   RecordedLog log;
   {

@@ -78,6 +78,8 @@ class Ros1Bag final : public MessageSource {
 
   [[nodiscard]] double progress() const override { return file_.progress(); }
 
+  [[nodiscard]] std::vector<BagTopic> topics() const override { return channels_.topics(); }
+
  private:
   /// A record of the file: a chunk is opened, others hold nothing of use outside of chunks. Returns
   /// why nothing can be read from here on.
@@ -104,8 +106,6 @@ class Ros1Bag final : public MessageSource {
     return std::nullopt;
   }
 
-  /// A length and as many bytes.
-  bool read_block(std::vector<std::byte>& out, std::uint32_t max_size) {
   /// How many bytes of index follow. Bags written in 2010 claim 20 bytes per entry and hold 12;
   /// rosbag counts entries as well, and does not look at the length.
   static std::uint64_t index_bytes(const Fields& fields, std::uint32_t size) {
@@ -114,6 +114,8 @@ class Ros1Bag final : public MessageSource {
     return entries ? *entries * kEntryBytes : size;
   }
 
+  /// A length and as many bytes.
+  bool read_block(std::vector<std::byte>& out, std::uint32_t max_size) {
     std::vector<std::byte> length;
     if (!file_.read(sizeof(std::uint32_t), length)) return false;
     const auto size = WireReader(length).number<std::uint32_t>();
@@ -156,11 +158,12 @@ class Ros1Bag final : public MessageSource {
   }
 
   std::optional<RecordedMessage> message_of(std::uint32_t id, const Fields& fields, Bytes data) {
-    const Channel* channel = channels_.find(id);
+    const Channel* channel = channels_.pass(id);
     if (channel == nullptr) return std::nullopt;
     const double received = seconds_of(fields.number<std::uint64_t>("time").value_or(0));
-    return RecordedMessage{channel->topic, channel->kind, channel->format,
-                           received,       data,          chunk_place_};
+    return RecordedMessage{
+        channel->topic.name, channel->topic.type, *channel->kind, channel->format, received, data,
+        chunk_place_};
   }
 
   BinaryFile file_;

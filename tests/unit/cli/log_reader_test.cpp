@@ -322,7 +322,7 @@ TEST_F(LogReading, TakesOneOfTheLasersOfACarmenLog) {
   ASSERT_TRUE(front.ok());
   ASSERT_EQ(front->scans.size(), 1U);
   EXPECT_EQ(front->scans[0].scan.ranges[0], 1.0F);
-  auto reader = LogReader::open(path, "RLASER");
+  auto reader = LogReader::open(path, {.lidar = "RLASER"});
   ASSERT_TRUE(reader.ok());
   const RecordedLog rear = read_all(*reader);
   ASSERT_EQ(rear.scans.size(), 1U);

@@ -166,6 +166,8 @@ std::string mcap(const std::vector<std::vector<WrittenMessage>>& chunks,
   return file + mcap_record(0x02, std::string(20, '\0')) + magic;
 }
 
+std::string zstd_packed(const std::string& text) { return compressed("zstd", text); }
+
 void write_sqlite_bag(const std::filesystem::path& path,
                       const std::vector<WrittenMessage>& messages) {
   SQLite::Database database(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);

@@ -28,6 +28,9 @@ struct WrittenMessage {
 [[nodiscard]] std::string mcap(const std::vector<std::vector<WrittenMessage>>& chunks,
                                const std::string& compression);
 
+/// A text as a frame of zstd.
+[[nodiscard]] std::string zstd_packed(const std::string& text);
+
 /// A .db3 file.
 void write_sqlite_bag(const std::filesystem::path& path,
                       const std::vector<WrittenMessage>& messages);
