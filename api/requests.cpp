@@ -298,6 +298,7 @@ std::string lidar_to_json(const Lidar& lidar) {
                                  {"range_max", nullptr}};  // JSON has no infinity.
   if (std::isfinite(lidar.range_max)) json["range_max"] = lidar.range_max;
   if (lidar.beams) json["beams"] = *lidar.beams;
+  if (lidar.time_increment != 0.0) json["time_increment"] = lidar.time_increment;
   const Pose2& mount = lidar.T_base_link_laser;
   json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
   return json.dump();

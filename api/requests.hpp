@@ -37,6 +37,7 @@ struct Lidar {
   /// Ranges of a scan without angles of its own; any number when not given.
   std::optional<std::size_t> beams;
   Pose2 T_base_link_laser;
+  double time_increment = 0.0;  ///< From beam to beam [s]; 0 when scans are taken at once.
   friend bool operator==(const Lidar&, const Lidar&) = default;
 };
 

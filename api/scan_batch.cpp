@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/batch_straightening.hpp"
 #include "api/ros_odometry.hpp"
 
 namespace cornerfix::api {
@@ -99,6 +100,14 @@ bool read_geometry(const JsonField& scan, bool has_lidar, LaserScan& geometry) {
   return good;
 }
 
+/// Whether the time from beam to beam is a number or not there.
+bool read_time_increment(const JsonField& object, double& time_increment) {
+  const auto field = object.find("time_increment");
+  const auto number = field ? field->as_number() : std::nullopt;
+  if (number) time_increment = *number;
+  return !field || number;
+}
+
 /// Whether there is a pose or need not be one.
 bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& pose) {
   const auto field = scan.find(name);
@@ -140,7 +149,10 @@ class BatchReader {
   void read_scan(const JsonField& field, std::size_t index) {
     if (!field.expect_object()) return;
     BatchScan& out = batch_.scans[index];
-    if (batch_.lidar) out.scan = geometry_of(*batch_.lidar);
+    if (batch_.lidar) {
+      out.scan = geometry_of(*batch_.lidar);
+      out.time_increment = batch_.lidar->time_increment;
+    }
     const auto stamp = read_stamp(field);
     if (stamp) check_order(field, *stamp);
     bool good = stamp.has_value();
@@ -148,6 +160,7 @@ class BatchReader {
     out.scan.stamp = stamp.value_or(0.0);
     good &= read_geometry(field, batch_.lidar.has_value(), out.scan);
     good &= read_ranges(field, index, out.scan);
+    good &= read_time_increment(field, out.time_increment);
     good &= read_odometry(field, out.T_odom_base_link);
     if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
@@ -220,6 +233,7 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
   }
   std::optional<Pose2> mount;
   good &= read_pose(field, "mount", mount);
+  good &= read_time_increment(field, lidar.time_increment);
   field.expect_members({"angle_min", "angle_max", "angle_increment", "time_increment", "scan_time",
                         "range_min", "range_max", "beams", "mount"});
   if (!good) return std::nullopt;
@@ -249,6 +263,7 @@ ScanBatch read_scan_batch(Document& document, const std::optional<Lidar>& lidar,
     body.fail_member("lidar", "is needed: angle_min, angle_increment, range_min, range_max");
   } else {
     BatchReader(document, batch, order, map_pose).read(*scans);
+    if (document.errors.empty()) straighten(batch.scans, batch.T_base_link_laser());
   }
   return batch;
 }

@@ -15,6 +15,7 @@ struct BatchScan {
   LaserScan scan;
   std::optional<Pose2> T_odom_base_link;
   std::optional<Pose2> T_map_base_link;
+  double time_increment = 0.0;  ///< From beam to beam [s]; 0 when it was taken at once.
 };
 
 struct ScanBatch {

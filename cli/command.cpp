@@ -97,6 +97,11 @@ void add_selection(CLI::App& command, LogSelection& selection) {
           "Heights above the sensor between which a point cloud becomes a scan [m] (default: "
           "-0.15 0.15)")
       ->type_name("MIN MAX");
+  command
+      .add_option("--scan-time", selection.scan_time,
+                  "Seconds that the lidar takes for a scan, to straighten it by odometry (default: "
+                  "the time_increment of the log)")
+      ->check(above_zero());
 }
 
 }  // namespace cornerfix::cli

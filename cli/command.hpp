@@ -28,7 +28,7 @@ void warn(const std::string& where, const std::string& what);
 /// LOG, a recorded run: a file or the directory of a bag.
 CLI::Option* add_log(CLI::App& command, std::string& log);
 
-/// --lidar, --odom and --height, for logs that hold several.
+/// --lidar, --odom, --height and --scan-time.
 void add_selection(CLI::App& command, LogSelection& selection);
 
 /// A finite number above 0, or not below 0. CLI11's own tell the largest double in full.

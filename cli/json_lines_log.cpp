@@ -80,6 +80,8 @@ class JsonLinesParser final : public ScanParser {
         header_.name = std::string_view(field.value().get_string());
       } else if (field_ == "source") {
         header_.source = std::string_view(field.value().get_string());
+      } else if (field_ == "time_increment") {
+        time_increment_ = field.value().get_double();
       } else if (field_ == "beams") {
         header_.beams = field.value().get_uint64();
         named_beams_ = header_.beams;
@@ -106,6 +108,7 @@ class JsonLinesParser final : public ScanParser {
   LogScan read_scan(object fields) {
     LogScan out;
     out.scan = header_.lidar;
+    out.time_increment = time_increment_;
     out.scan.ranges.reserve(header_.beams);
     has_stamp_ = false;
     has_own_angles_ = false;
@@ -123,6 +126,8 @@ class JsonLinesParser final : public ScanParser {
         out.T_map_laser = pose_or_null(field.value());
       } else if (field_ == "kf") {
         out.is_key_scan = field.value().get_int64() != 0;
+      } else if (field_ == "time_increment") {
+        out.time_increment = field.value().get_double();
       } else {
         read_geometry(field.value(), out.scan);
         has_own_angles_ |= field_ == "angle_min" || field_ == "angle_increment";
@@ -154,6 +159,7 @@ class JsonLinesParser final : public ScanParser {
   bool has_stamp_ = false;
   bool has_own_angles_ = false;  ///< The scan being read.
   std::optional<std::size_t> named_beams_;
+  double time_increment_ = 0.0;  ///< Of the header.
   std::string field_;            ///< Being read, for the message of an error.
 };
 

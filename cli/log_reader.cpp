@@ -4,6 +4,7 @@
 
 #include "cli/log_format.hpp"
 #include "cli/log_source.hpp"
+#include "cli/scan_straightener.hpp"
 #include "cli/stamp_order.hpp"
 
 namespace cornerfix::cli {
@@ -42,10 +43,13 @@ std::string faults_text(const LogFaults& faults) {
 
 }  // namespace
 
-LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path)
+LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path,
+                     double scan_time)
     : source_(std::move(source)),
       path_(path),
-      order_(std::make_unique<StampOrder>()) {}
+      order_(std::make_unique<StampOrder>()),
+      straightener_(std::make_unique<ScanStraightener>()),
+      scan_time_(scan_time) {}
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 
@@ -53,7 +57,7 @@ Result<LogReader> LogReader::open(const std::filesystem::path& path,
                                   const LogSelection& selection) {
   Result<std::unique_ptr<LogSource>> source = open_source(path, selection);
   if (!source) return source.error();
-  LogReader reader(std::move(*source), path);
+  LogReader reader(std::move(*source), path, selection.scan_time);
   reader.ahead_ = reader.next_in_order();
   if (!reader.ahead_) {
     const std::string which = selection.lidar.empty() ? "" : " of " + selection.lidar;
@@ -87,6 +91,7 @@ double LogReader::progress() const { return source_->progress(); }
 std::vector<std::string> LogReader::notes() const {
   std::vector<std::string> notes = source_->notes();
   for (std::string& note : order_->notes()) notes.push_back(std::move(note));
+  if (std::string note = straightener_->note(); !note.empty()) notes.push_back(std::move(note));
   return notes;
 }
 
@@ -100,8 +105,11 @@ std::optional<Error> LogReader::most_scans_lost() const {
 }
 
 std::optional<LogScan> LogReader::next() {
-  if (ahead_) return std::exchange(ahead_, std::nullopt);
-  return next_in_order();
+  std::optional<LogScan> scan = ahead_ ? std::exchange(ahead_, std::nullopt) : next_in_order();
+  if (!scan) return scan;
+  if (scan->time_increment != 0.0) ahead_ = next_in_order();
+  straightener_->straighten(*scan, ahead_ ? &*ahead_ : nullptr);
+  return scan;
 }
 
 std::optional<LogScan> LogReader::next_in_order() {
@@ -110,6 +118,9 @@ std::optional<LogScan> LogReader::next_in_order() {
     if (!scan) return scan;
     if (!order_->take(*scan, faults_)) continue;
     ++scans_;
+    if (scan_time_ > 0.0) {
+      scan->time_increment = scan_time_ / static_cast<double>(scan->scan.ranges.size());
+    }
     return scan;
   }
 }

@@ -46,6 +46,8 @@ struct LogScan {
   std::optional<Pose2> T_odom_laser;
   std::optional<Pose2> T_map_laser;  ///< The reference pose.
   bool is_key_scan = false;  ///< Some logs mark the scans whose reference pose is not interpolated.
+  /// From beam to beam [s]; 0 for a scan that was taken at once. See ScanMotion.
+  double time_increment = 0.0;
   bool begins_run = false;  ///< The clock was set back: the robot may stand anywhere.
 };
 
@@ -71,13 +73,17 @@ struct LogSelection {
   std::string odometry = {};
   /// Where a point cloud is cut.
   HeightBand height = {};
+  /// That the lidar takes for a scan [s]; 0: as the log says.
+  double scan_time = 0.0;
 };
 
 class LogSource;
+class ScanStraightener;
 class StampOrder;
 
 /// Reads a log scan by scan, and holds no more of it than it needs for the next one. Stamps
-/// strictly increase: see stamp_order.hpp. Records that are broken, and scans out of order, are left out and
+/// strictly increase: see stamp_order.hpp. Scans that were taken beam by beam are straightened:
+/// see scan_straightener.hpp. Records that are broken, and scans out of order, are left out and
 /// counted. One thread at a time.
 class LogReader {
  public:
@@ -104,7 +110,7 @@ class LogReader {
   [[nodiscard]] std::optional<Error> most_scans_lost() const;
 
  private:
-  LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path);
+  LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path, double scan_time);
   [[nodiscard]] std::optional<LogScan> next_in_order();
 
   std::unique_ptr<LogSource> source_;
@@ -112,6 +118,8 @@ class LogReader {
   LogHeader header_;
   LogFaults faults_;
   std::unique_ptr<StampOrder> order_;
+  std::unique_ptr<ScanStraightener> straightener_;
+  double scan_time_;
   std::size_t scans_ = 0;         ///< Given out, and `ahead_`.
   std::optional<LogScan> ahead_;  ///< Read, but not given out.
 };

@@ -137,7 +137,7 @@ class BagLog final : public LogSource {
         above.rbegin(), above.rend(),
         [](const FrameTree::Ancestor& ancestor) { return ancestor.T_ancestor_frame.has_value(); });
     const Eigen::Matrix3d rotation = highest->T_ancestor_frame->T.rotation();
-    wait(message, {cloud->frame, slice(*cloud, rotation, height_)}, true);
+    wait(message, {cloud->frame, slice(*cloud, rotation, height_), 0.0}, true);
   }
 
   void wait(const RecordedMessage& message, LaserScanMessage scan, bool is_level) {
@@ -186,6 +186,7 @@ class BagLog final : public LogSource {
   std::optional<LogScan> finish(const WaitingScan& waiting, LogFaults& faults) {
     LogScan out;
     out.scan = waiting.message.scan;
+    out.time_increment = waiting.message.time_increment;
     const auto in_map = find_in_map(waiting);
     const auto in_odom = find_in_odom(waiting);
     if (in_map) out.T_map_laser = on_the_floor(in_map->T);
@@ -200,7 +201,10 @@ class BagLog final : public LogSource {
                                          std::to_string(std::acos(upright)) + " rad");
       return std::nullopt;
     }
-    if (!waiting.is_level && upright < 0.0) out.scan = turned_over(std::move(out.scan));
+    if (!waiting.is_level && upright < 0.0) {
+      out.scan = turned_over(std::move(out.scan));
+      out.time_increment = -out.time_increment;
+    }
     if (header_.beams == 0) set_lidar(header_, out.scan);
     return out;
   }

@@ -77,7 +77,7 @@ Result<LaserScanMessage> parse_scan(std::span<const std::byte> bytes, WireFormat
   scan.angle_min = static_cast<double>(reader.number<float>());
   reader.number<float>();  // angle_max follows from the others
   scan.angle_increment = static_cast<double>(reader.number<float>());
-  reader.number<float>();  // time_increment
+  message.time_increment = static_cast<double>(reader.number<float>());
   reader.number<float>();  // scan_time
   scan.range_min = static_cast<double>(reader.number<float>());
   scan.range_max = static_cast<double>(reader.number<float>());

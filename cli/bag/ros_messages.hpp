@@ -25,6 +25,7 @@ enum class MessageKind { kLaserScan, kMultiEchoScan, kPointCloud, kOdometry, kTr
 struct LaserScanMessage {
   std::string frame;
   LaserScan scan;
+  double time_increment = 0.0;  ///< From beam to beam [s].
 };
 
 /// sensor_msgs/PointCloud2. Points that are not finite are left out.

@@ -114,6 +114,18 @@ TEST(SessionScans, TakeOdometryAsRosbridgeSendsIt) {
   EXPECT_NEAR(T_odom_base_link->yaw, kPi / 2.0, 1e-12);
 }
 
+TEST(SessionScans, AreStraightenedByTheOdometryOfTheirBatch) {
+  // Turning left by 0.1 rad in the second that a scan of four beams takes.
+  const std::string scan = R"("time_increment": 0.2, "ranges": [1, 1, 1])";
+  const auto request =
+      session_scans(R"({"stamp": 1.0, "odom": {"x": 0, "y": 0, "yaw": 0}, )" + scan +
+                    R"(}, {"stamp": 2.0, "odom": {"x": 0, "y": 0, "yaw": 0.1}, )" + scan +
+                    R"(}, {"stamp": 2.5, )" + scan + "}");
+  EXPECT_NEAR(request.scans.at(0).scan.angle_increment, 0.5 + 0.02, 1e-12);
+  EXPECT_NEAR(request.scans.at(1).scan.angle_increment, 0.5 + 0.02, 1e-12);
+  EXPECT_EQ(request.scans.at(2).scan.angle_increment, 0.5);
+}
+
 TEST(SessionScans, TakeARangeMaxOfNullBesideAnglesForNoLimit) {
   const auto request = session_scans(
       R"({"stamp": 1, "angle_min": -1, "angle_increment": 0.5, "range_max": null,

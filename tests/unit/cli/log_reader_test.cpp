@@ -235,6 +235,29 @@ TEST_F(LogReading, TakesTheGeometryThatAScanHasItself) {
   EXPECT_EQ(log->scans[2].scan.angle_min, log->header.lidar.angle_min);
 }
 
+TEST_F(LogReading, StraightensScansByTheirOdometry) {
+  const std::string header =
+      R"({"angle_min": -1, "angle_increment": 0.5, "range_min": 0.1, "range_max": 9)";
+  const std::string scans = R"({"t": 1, "ranges": [1, 1, 1, 1], "odom": [0, 0, 0]})"
+                            "\n"
+                            R"({"t": 1.4, "ranges": [1, 1, 1, 1], "odom": [0, 0, 0.08]})"
+                            "\n"
+                            R"({"t": 9, "ranges": [1, 1, 1, 1], "odom": [0, 0, 0.08]})";
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", header + R"(, "time_increment": 0.1})" + "\n" + scans));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  const RecordedLog log = read_all(*reader);
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_NEAR(log.scans[0].scan.angle_increment, 0.52, 1e-12);
+  EXPECT_NEAR(log.scans[1].scan.angle_increment, 0.52, 1e-12);
+  EXPECT_EQ(log.scans[2].scan.angle_increment, 0.5);
+  EXPECT_THAT(remarks(*reader), HasSubstr("1 scans were taken beam by beam"));
+  auto told =
+      LogReader::open(directory_.write("a.jsonl", header + "}\n" + scans), {.scan_time = 0.4});
+  ASSERT_TRUE(told.ok());
+  EXPECT_NEAR(told->next()->scan.angle_increment, 0.52, 1e-12);
+}
+
 TEST_F(LogReading, TakesARangeMaxOfNullForNoLimit) {
   const auto log = read_log(directory_.write(
       "a.jsonl", R"({"angle_min": -1, "angle_increment": 1, "range_min": 0.1, "range_max": null})"
