@@ -1,5 +1,6 @@
 #include "api/json_field.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -7,9 +8,6 @@
 
 namespace cornerfix::api {
 namespace {
-
-/// Any place on earth in any projection; beyond, centimetres get lost in a double's digits.
-constexpr double kMaxCoordinate = 1e8;
 
 /// RFC 6901, section 3.
 std::string escape(std::string_view name) {
@@ -41,6 +39,17 @@ void JsonField::fail_path(const std::string& path, std::string detail) const {
 bool JsonField::expect_object() const {
   if (!value_->is_object()) fail("must be an object");
   return value_->is_object();
+}
+
+void JsonField::expect_members(std::span<const std::string_view> known) const {
+  std::string names;
+  for (const std::string_view name : known)
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  for (const auto& [name, value] : value_->items()) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      fail_member(name, "is not known here; known are " + names);
+    }
+  }
 }
 
 std::optional<JsonField> JsonField::find(std::string_view name) const {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -12,6 +14,9 @@
 #include "api/problem.hpp"
 
 namespace cornerfix::api {
+
+/// Any place on earth in any projection [m]; beyond, centimetres get lost in a double's digits.
+inline constexpr double kMaxCoordinate = 1e8;
 
 /// A view of a JSON value. The as_…() functions give the value, or nothing after telling `errors`
 /// what was expected. The value and the errors must outlive it.
@@ -29,6 +34,11 @@ class JsonField {
 
   /// Tells when this is no object.
   [[nodiscard]] bool expect_object() const;
+  /// Of an object: tells which members are not among these, so that nothing is ignored in silence.
+  void expect_members(std::span<const std::string_view> known) const;
+  void expect_members(std::initializer_list<std::string_view> known) const {
+    expect_members(std::span(known.begin(), known.size()));
+  }
   /// Of an object; nothing when it is absent or null.
   [[nodiscard]] std::optional<JsonField> find(std::string_view name) const;
   /// As find(), but tells when it is absent.

@@ -19,7 +19,8 @@ bool walk_unusual_number(std::string_view token, DocumentBuilder& builder) {
   try {
     return builder.number_float(nlohmann::json::parse(token).get<double>(), {});
   } catch (const nlohmann::json::out_of_range&) {
-    return builder.number_float(std::numeric_limits<double>::infinity(), {});
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    return builder.number_float(token.starts_with('-') ? -kInfinity : kInfinity, {});
   } catch (const nlohmann::json::exception&) {
     throw simdjson::simdjson_error(simdjson::NUMBER_ERROR);
   }

@@ -88,13 +88,7 @@ class Reader {
     if (const auto field = object_.find(name)) read(*field, member);
   }
 
-  void tell_unknown() const {
-    for (const auto& [name, value] : object_.json().items()) {
-      if (std::find(known_.begin(), known_.end(), name) == known_.end()) {
-        object_.fail_member(name, "is not known here; known are " + known_names());
-      }
-    }
-  }
+  void tell_unknown() const { object_.expect_members(known_); }
 
  private:
   static void read(const JsonField& field, double& member) {
@@ -136,15 +130,6 @@ class Reader {
     Reader reader(field);
     visit_members(member, reader);
     reader.tell_unknown();
-  }
-
-  [[nodiscard]] std::string known_names() const {
-    std::string names;
-    for (const std::string_view name : known_) {
-      if (!names.empty()) names += ", ";
-      names += name;
-    }
-    return names;
   }
 
   const JsonField& object_;

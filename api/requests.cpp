@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -20,15 +21,17 @@ constexpr std::size_t kMaxNamedMaps = 1000;
 constexpr std::size_t kMaxPageLimit = 1000;
 constexpr std::size_t kMaxWaitS = 60;
 
-/// Reads a body and hands its document to `read`, which fills the request.
+/// Reads a body and hands its document to `read`, which fills the request from these members.
 template <typename Request, typename Read>
 Parsed<Request> parse(std::string_view body, BodyFormat format, const RequestLimits& limits,
-                      Read read) {
+                      std::initializer_list<std::string_view> members, Read read) {
   auto body_or_problem = read_body(body, format, limits);
   if (auto* problem = std::get_if<Problem>(&body_or_problem)) return std::move(*problem);
   auto& document = std::get<Document>(body_or_problem);
   Request request;
-  read(JsonField(document.root, "", document.errors), document, request);
+  const JsonField root(document.root, "", document.errors);
+  read(root, document, request);
+  root.expect_members(members);
   if (!document.errors.empty()) return std::move(document.errors).to_problem();
   return request;
 }
@@ -119,6 +122,7 @@ void read_stamped_pose(const JsonField& field, std::vector<StampedPose>& poses) 
   const auto stamp_field = field.require("stamp", "seconds");
   const auto stamp = stamp_field ? stamp_field->as_stamp() : std::nullopt;
   const auto pose = field.as_pose();
+  field.expect_members({"stamp", "x", "y", "yaw"});
   if (stamp && pose) poses.push_back({*stamp, *pose});
 }
 
@@ -193,7 +197,8 @@ Parsed<std::size_t> parse_whole_number(const char* name, std::string_view text, 
 
 Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format) {
   return parse<PutMapRequest>(
-      body, format, {}, [](const JsonField& root, Document& /*document*/, PutMapRequest& request) {
+      body, format, {}, {"description", "lidar", "parameters"},
+      [](const JsonField& root, Document& /*document*/, PutMapRequest& request) {
         if (const auto description = root.find("description")) {
           request.description = description->as_text(kMaxDescriptionBytes);
         }
@@ -212,7 +217,7 @@ Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format
                                         const std::optional<Lidar>& lidar,
                                         const RequestLimits& limits) {
   return parse<MapScansRequest>(
-      body, format, limits,
+      body, format, limits, {"lidar", "scans"},
       [&](const JsonField& root, Document& document, MapScansRequest& request) {
         ScanBatch batch = read_scan_batch(document, lidar, StampOrder::kAny, MapPose::kTaken);
         request.lidar = batch.lidar;
@@ -231,7 +236,7 @@ Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format
 
 Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat format) {
   return parse<TrajectoryRequest>(
-      body, format, {},
+      body, format, {}, {"poses"},
       [](const JsonField& root, Document& /*document*/, TrajectoryRequest& request) {
         const auto poses = root.require("poses", "stamped poses of base_link in map");
         if (!poses) return;
@@ -247,7 +252,7 @@ Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat for
 
 Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFormat format) {
   return parse<CreateSessionRequest>(
-      body, format, {},
+      body, format, {}, {"robot", "map", "maps", "lidar", "options"},
       [](const JsonField& root, Document& /*document*/, CreateSessionRequest& request) {
         if (const auto robot = root.require("robot", "the robot's name")) {
           request.robot = robot->as_name().value_or("");
@@ -264,24 +269,24 @@ Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFor
 Parsed<SessionScansRequest> parse_session_scans(std::string_view body, BodyFormat format,
                                                 const Lidar& lidar, const RequestLimits& limits) {
   return parse<SessionScansRequest>(
-      body, format, limits,
+      body, format, limits, {"sequence", "lidar", "scans"},
       [&](const JsonField& root, Document& document, SessionScansRequest& request) {
         constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
         if (const auto sequence = root.require("sequence", "the batch's number, from 0")) {
           request.sequence = sequence->as_count(0, kMost).value_or(0);
         }
         request.scans = to_robot_scans(
-            read_scan_batch(document, lidar, StampOrder::kIncreasing, MapPose::kIgnored));
+            read_scan_batch(document, lidar, StampOrder::kIncreasing, MapPose::kRefused));
       });
 }
 
 Parsed<LocalizeRequest> parse_localize(std::string_view body, BodyFormat format,
                                        const RequestLimits& limits) {
   return parse<LocalizeRequest>(
-      body, format, limits,
+      body, format, limits, {"lidar", "scans", "options"},
       [](const JsonField& root, Document& document, LocalizeRequest& request) {
         request.scans = to_robot_scans(
-            read_scan_batch(document, std::nullopt, StampOrder::kIncreasing, MapPose::kIgnored));
+            read_scan_batch(document, std::nullopt, StampOrder::kIncreasing, MapPose::kRefused));
         read_options(root, request.params, nullptr);
       });
 }
@@ -290,8 +295,10 @@ std::string lidar_to_json(const Lidar& lidar) {
   nlohmann::ordered_json json = {{"angle_min", lidar.angle_min},
                                  {"angle_increment", lidar.angle_increment},
                                  {"range_min", lidar.range_min},
-                                 {"range_max", lidar.range_max}};
+                                 {"range_max", nullptr}};  // JSON has no infinity.
+  if (std::isfinite(lidar.range_max)) json["range_max"] = lidar.range_max;
   if (lidar.beams) json["beams"] = *lidar.beams;
+  if (lidar.time_increment != 0.0) json["time_increment"] = lidar.time_increment;
   const Pose2& mount = lidar.T_base_link_laser;
   json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
   return json.dump();

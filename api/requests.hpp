@@ -2,8 +2,8 @@
 ///
 /// Bodies are JSON (scans by simdjson), CBOR or MessagePack by content type. A parse gives a
 /// request that is valid in every field, or a Problem with a pointer to each wrong one (at most
-/// 20). Limits are checked while parsing. Unknown members are ignored, but in `options` and
-/// `parameters` they are wrong. A member that is there twice makes a body malformed.
+/// 20). Limits are checked while parsing. Unknown members are wrong, but those of ROS messages that
+/// are not used. A member that is there twice makes a body malformed.
 #pragma once
 
 #include <cstdint>
@@ -28,15 +28,16 @@ struct RequestLimits {
 
 enum class BodyFormat { kJson, kCbor, kMessagePack };
 
-/// `lidar` of the contract. `beams` from the first scan when not given: after a parse of scans the
-/// caller fixes it for the batches to come, with lidar_to_json().
+/// `lidar` of the contract.
 struct Lidar {
   double angle_min = 0.0;
   double angle_increment = 0.0;
   double range_min = 0.0;
   double range_max = 0.0;
+  /// Ranges of a scan without angles of its own; any number when not given.
   std::optional<std::size_t> beams;
   Pose2 T_base_link_laser;
+  double time_increment = 0.0;  ///< From beam to beam [s]; 0 when scans are taken at once.
   friend bool operator==(const Lidar&, const Lidar&) = default;
 };
 
@@ -46,7 +47,7 @@ struct PutMapRequest {
   std::optional<std::string> parameters_json;  ///< Normalised text of the validated member.
 };
 struct MapScansRequest {
-  /// The body's, or else the map's; with `beams`. Nothing when each scan brings its own.
+  /// The body's, or else the map's. Nothing when each scan brings its own.
   std::optional<Lidar> lidar;
   std::vector<PosedScan> scans;
   /// Instead of `scans` where none has a pose; stamps strictly increase.

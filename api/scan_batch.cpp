@@ -1,14 +1,23 @@
 #include "api/scan_batch.hpp"
 
 #include <array>
+#include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
+
+#include "api/batch_straightening.hpp"
+#include "api/ros_odometry.hpp"
 
 namespace cornerfix::api {
 namespace {
 
 constexpr std::uint64_t kMaxLidarBeams = 1'000'000;
 constexpr double kNanosecond = 1e-9;
+
+/// std_msgs/Header; only the stamp is used.
+constexpr std::array<std::string_view, 3> kHeaderMembers{"seq", "stamp", "frame_id"};
 
 struct GeometryMember {
   const char* name;
@@ -19,7 +28,7 @@ constexpr std::array<GeometryMember, 4> kGeometry{{
     {"angle_min", "the first beam's angle in radians", &LaserScan::angle_min},
     {"angle_increment", "radians from beam to beam", &LaserScan::angle_increment},
     {"range_min", "the shortest range in metres", &LaserScan::range_min},
-    {"range_max", "the longest range in metres", &LaserScan::range_max},
+    {"range_max", "the longest range in metres, null for no limit", &LaserScan::range_max},
 }};
 
 LaserScan geometry_of(const Lidar& lidar) {
@@ -34,6 +43,7 @@ LaserScan geometry_of(const Lidar& lidar) {
 /// {secs, nsecs} of ROS 1 or {sec, nanosec} of ROS 2.
 std::optional<double> read_ros_stamp(const JsonField& stamp) {
   if (!stamp.expect_object()) return std::nullopt;
+  stamp.expect_members({"secs", "nsecs", "sec", "nanosec"});
   const auto ros1 = stamp.find("secs");
   const auto seconds_field = ros1 ? ros1 : stamp.require("sec", "seconds, with nanosec");
   if (!seconds_field) return std::nullopt;
@@ -46,21 +56,42 @@ std::optional<double> read_ros_stamp(const JsonField& stamp) {
 }
 
 std::optional<double> read_stamp(const JsonField& scan) {
-  if (const auto stamp = scan.find("stamp")) return stamp->as_stamp();
   const auto header = scan.find("header");
-  if (!header) {
-    scan.fail_member("stamp", "is needed: seconds");
-    return std::nullopt;
-  }
-  if (!header->expect_object()) return std::nullopt;
+  const bool has_header = header && header->expect_object();
+  if (has_header) header->expect_members(kHeaderMembers);
+  if (const auto stamp = scan.find("stamp")) return stamp->as_stamp();
+  if (!header) scan.fail_member("stamp", "is needed: seconds");
+  if (!has_header) return std::nullopt;
   const auto stamp = header->require("stamp", "{secs, nsecs} or {sec, nanosec}");
   return stamp ? read_ros_stamp(*stamp) : std::nullopt;
+}
+
+/// Whether a scan brings its own angles, and with them its own number of ranges.
+bool has_own_angles(const nlohmann::json& scan) {
+  const auto is_given = [&](const char* name) {
+    return scan.contains(name) && !scan[name].is_null();
+  };
+  return scan.is_object() && (is_given("angle_min") || is_given("angle_increment"));
+}
+
+/// Whether `object` says that its lidar has no limit: JSON has no infinity, so that rosbridge
+/// writes null; CBOR and MessagePack have it. A null without angles beside it is as if it were not
+/// there.
+bool has_infinite_range(const JsonField& object, bool is_lidar) {
+  const auto found = object.json().find("range_max");
+  if (found == object.json().end()) return false;
+  if (found->is_null()) return is_lidar || has_own_angles(object.json());
+  return found->is_number() && found->get<double>() == std::numeric_limits<double>::infinity();
 }
 
 /// The scan's own angles and ranges override the lidar's; without a lidar it must have them.
 bool read_geometry(const JsonField& scan, bool has_lidar, LaserScan& geometry) {
   bool good = true;
   for (const auto& [name, meaning, member] : kGeometry) {
+    if (member == &LaserScan::range_max && has_infinite_range(scan, !has_lidar)) {
+      geometry.range_max = std::numeric_limits<double>::infinity();
+      continue;
+    }
     const auto field = has_lidar ? scan.find(name) : scan.require(name, meaning);
     const auto number = field ? field->as_number() : std::nullopt;
     if (number) geometry.*member = *number;
@@ -69,40 +100,68 @@ bool read_geometry(const JsonField& scan, bool has_lidar, LaserScan& geometry) {
   return good;
 }
 
+/// Whether the time from beam to beam is a number or not there.
+bool read_time_increment(const JsonField& object, double& time_increment) {
+  const auto field = object.find("time_increment");
+  const auto number = field ? field->as_number() : std::nullopt;
+  if (number) time_increment = *number;
+  return !field || number;
+}
+
 /// Whether there is a pose or need not be one.
 bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& pose) {
   const auto field = scan.find(name);
   if (field) pose = field->as_pose();
+  if (pose) field->expect_members({"x", "y", "yaw"});
   return !field || pose;
+}
+
+/// The same for odometry, which may also be a nav_msgs/Odometry.
+bool read_odometry(const JsonField& scan, std::optional<Pose2>& pose) {
+  const auto field = scan.find("odom");
+  if (!field || !is_ros_odometry(field->json())) return read_pose(scan, "odom", pose);
+  pose = read_ros_odometry(*field);
+  return pose.has_value();
+}
+
+/// The members of a scan: ours, and those of sensor_msgs/LaserScan, also the unused ones.
+void expect_scan_members(const JsonField& scan, MapPose map_pose) {
+  std::vector<std::string_view> known = {
+      "stamp",           "ranges",         "odom",      "header",    "angle_min", "angle_max",
+      "angle_increment", "time_increment", "scan_time", "range_min", "range_max", "intensities"};
+  if (map_pose == MapPose::kTaken) known.emplace_back("pose");
+  scan.expect_members(known);
 }
 
 class BatchReader {
  public:
   BatchReader(Document& document, ScanBatch& batch, StampOrder order, MapPose map_pose)
-      : document_(document), batch_(batch), order_(order), map_pose_(map_pose) {
-    if (batch.lidar) beams_ = batch.lidar->beams;
-  }
+      : document_(document), batch_(batch), order_(order), map_pose_(map_pose) {}
 
   void read(const JsonField& scans) {
     const std::size_t count = scans.json().size();
     batch_.scans.resize(count);
     document_.ranges.resize(count);
     for (std::size_t i = 0; i < count; ++i) read_scan(scans.item(i), i);
-    if (batch_.lidar) batch_.lidar->beams = beams_;
   }
 
  private:
   void read_scan(const JsonField& field, std::size_t index) {
     if (!field.expect_object()) return;
     BatchScan& out = batch_.scans[index];
-    if (batch_.lidar) out.scan = geometry_of(*batch_.lidar);
+    if (batch_.lidar) {
+      out.scan = geometry_of(*batch_.lidar);
+      out.time_increment = batch_.lidar->time_increment;
+    }
     const auto stamp = read_stamp(field);
     if (stamp) check_order(field, *stamp);
     bool good = stamp.has_value();
+    expect_scan_members(field, map_pose_);
     out.scan.stamp = stamp.value_or(0.0);
     good &= read_geometry(field, batch_.lidar.has_value(), out.scan);
     good &= read_ranges(field, index, out.scan);
-    good &= read_pose(field, "odom", out.T_odom_base_link);
+    good &= read_time_increment(field, out.time_increment);
+    good &= read_odometry(field, out.T_odom_base_link);
     if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
       field.fail_member(error->field, error->message);
@@ -128,10 +187,11 @@ class BatchReader {
       ranges->fail("must have at least one value");
       return false;
     }
-    if (!beams_) beams_ = scan.ranges.size();
-    if (scan.ranges.size() == *beams_) return true;
+    const bool is_of_lidar = batch_.lidar && !has_own_angles(field.json());
+    const auto expected = is_of_lidar ? batch_.lidar->beams : std::nullopt;
+    if (!expected || scan.ranges.size() == *expected) return true;
     ranges->fail(std::to_string(scan.ranges.size()) + " values, expected " +
-                 std::to_string(*beams_) + " as the lidar has beams");
+                 std::to_string(*expected) + " (from lidar.beams)");
     return false;
   }
 
@@ -139,11 +199,10 @@ class BatchReader {
   ScanBatch& batch_;
   StampOrder order_;
   MapPose map_pose_;
-  std::optional<std::size_t> beams_;
   std::optional<double> last_stamp_;
 };
 
-/// Whether `lidar` is `known`, which may tell the number of beams beside.
+/// Whether `lidar` is `known`, which may have `beams` besides.
 bool same_but_beams(Lidar lidar, const Lidar& known) {
   lidar.beams = known.beams;
   return lidar == known;
@@ -160,10 +219,6 @@ bool choose_lidar(const JsonField& body, const std::optional<Lidar>& known,
   return chosen.has_value();
 }
 
-bool has_geometry(const nlohmann::json& scan) {
-  return scan.is_object() && scan.contains("angle_min");
-}
-
 }  // namespace
 
 std::optional<Lidar> read_lidar(const JsonField& field) {
@@ -178,6 +233,9 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
   }
   std::optional<Pose2> mount;
   good &= read_pose(field, "mount", mount);
+  good &= read_time_increment(field, lidar.time_increment);
+  field.expect_members({"angle_min", "angle_max", "angle_increment", "time_increment", "scan_time",
+                        "range_min", "range_max", "beams", "mount"});
   if (!good) return std::nullopt;
   geometry.ranges.resize(lidar.beams.value_or(0));
   if (const auto error = validate(geometry)) {
@@ -201,10 +259,11 @@ ScanBatch read_scan_batch(Document& document, const std::optional<Lidar>& lidar,
   if (!scans) return batch;
   if (!scans->json().is_array() || scans->json().empty()) {
     scans->fail("must be an array of 1 or more scans");
-  } else if (!batch.lidar && !has_geometry(scans->json().front())) {
+  } else if (!batch.lidar && !has_own_angles(scans->json().front())) {
     body.fail_member("lidar", "is needed: angle_min, angle_increment, range_min, range_max");
   } else {
     BatchReader(document, batch, order, map_pose).read(*scans);
+    if (document.errors.empty()) straighten(batch.scans, batch.T_base_link_laser());
   }
   return batch;
 }

@@ -15,10 +15,11 @@ struct BatchScan {
   LaserScan scan;
   std::optional<Pose2> T_odom_base_link;
   std::optional<Pose2> T_map_base_link;
+  double time_increment = 0.0;  ///< From beam to beam [s]; 0 when it was taken at once.
 };
 
 struct ScanBatch {
-  std::optional<Lidar> lidar;  ///< In use, with `beams`; nothing when each scan brings its own.
+  std::optional<Lidar> lidar;  ///< In use; nothing when each scan brings its own.
   std::vector<BatchScan> scans;
 
   [[nodiscard]] Pose2 T_base_link_laser() const {
@@ -27,7 +28,7 @@ struct ScanBatch {
 };
 
 enum class StampOrder { kAny, kIncreasing };
-enum class MapPose { kIgnored, kTaken };
+enum class MapPose { kRefused, kTaken };
 
 /// Nothing when it is wrong, which the field's errors tell.
 [[nodiscard]] std::optional<Lidar> read_lidar(const JsonField& field);

@@ -85,6 +85,9 @@ constexpr std::array kLasers = {
     Laser{"RAWLASER2", "robot_rearlaser_", true, {0.0, 0.0, kPi}},
 };
 
+/// A scan in the logs that GMapping writes (.gfs).
+constexpr std::string_view kGMappingScan = "LASER_READING";
+
 const Laser* laser_of(std::string_view message) {
   const auto* const laser = std::find_if(
       kLasers.begin(), kLasers.end(), [&](const Laser& known) { return known.message == message; });
@@ -133,6 +136,12 @@ class CarmenParser final : public ScanParser {
       take_param(words);
     } else if (message == "ODOM") {
       if (!take_odometry(words)) return malformed(message, "expected x y theta tv rv accel stamp");
+      return finish();
+    } else if (message == kGMappingScan && is_wanted(message)) {
+      return parse_gmapping(words);
+    } else if (message == "SM_UPDATE" && matched_) {
+      matched_->T_map_laser = best_particle(words);
+      return finish();
     } else if (const Laser* laser = laser_of(message); laser != nullptr && is_wanted(message)) {
       Result<std::optional<LogScan>> scan =
           laser->tells_its_geometry ? parse_new(*laser, words) : parse_old(*laser, words);
@@ -141,6 +150,8 @@ class CarmenParser final : public ScanParser {
     }
     return std::optional<LogScan>();
   }
+
+  std::optional<LogScan> finish() override { return std::exchange(matched_, std::nullopt); }
 
  private:
   static Error malformed(std::string_view message, const std::string& what) {
@@ -171,9 +182,17 @@ class CarmenParser final : public ScanParser {
     }
   }
 
-  /// x y theta tv rv accel ipc_timestamp.
+  /// x y theta tv rv accel ipc_timestamp; of GMapping x y theta timestamp.
   bool take_odometry(Words& words) {
+    constexpr std::size_t kOfGMapping = 4;
+    const bool is_of_gmapping = words.count() == kOfGMapping;
     const auto pose = words.next_pose();
+    if (is_of_gmapping) {
+      const auto stamp = words.next_number<double>();
+      if (!pose || !stamp) return false;
+      odometry_ = Odometry{*pose, 0.0, 0.0, *stamp};
+      return true;
+    }
     const auto forward = words.next_number<double>();
     const auto turn = words.next_number<double>();
     const auto acceleration = words.next_number<double>();
@@ -194,7 +213,7 @@ class CarmenParser final : public ScanParser {
     LogScan out;
     const auto beams = words.next_number<std::size_t>();
     if (auto error = check_beams(laser, beams)) return *error;
-    out.scan = header_.beams == 0 ? untold_lidar(*beams, params_) : header_.lidar;
+    out.scan = untold_lidar(*beams, params_);
     if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
     const auto T_map_laser = words.next_pose();
     if (!T_map_laser) return malformed(laser.message, "expected x y theta of the laser");
@@ -208,7 +227,44 @@ class CarmenParser final : public ScanParser {
     if (!is_same(*T_map_laser, *out.T_odom_laser) && !is_same(*T_map_laser, *T_odom_robot)) {
       out.T_map_laser = T_map_laser;
     }
-    return finish(laser, std::move(out));
+    return check(laser, std::move(out));
+  }
+
+  /// num_readings [ranges] x y theta timestamp, as GMapping writes it; the pose is not needed
+  /// beside ODOM. The scan waits for the SM_UPDATE that says where scan matching found the robot.
+  Result<std::optional<LogScan>> parse_gmapping(Words& words) {
+    constexpr Laser kLaser{kGMappingScan, "robot_frontlaser_", false, {}};
+    LogScan out;
+    const auto beams = words.next_number<std::size_t>();
+    if (auto error = check_beams(kLaser, beams)) return *error;
+    out.scan = untold_lidar(*beams, params_);
+    if (!read_ranges(words, *beams, out.scan)) return expected_ranges(kLaser, *beams);
+    const auto T_odom_robot = words.next_pose();
+    const auto stamp = words.next_number<double>();
+    if (!T_odom_robot || !stamp) return malformed(kGMappingScan, "expected x y theta timestamp");
+    out.scan.stamp = *stamp;
+    out.T_odom_laser = odometry_ ? odometry_->T_odom_robot : *T_odom_robot;
+    Result<std::optional<LogScan>> scan = check(kLaser, std::move(out));
+    if (!scan) return scan;
+    wanted_ = kGMappingScan;
+    std::swap(matched_, *scan);
+    return scan;
+  }
+
+  /// num_particles [x y theta log_weight] timestamp: the pose of the greatest weight.
+  static std::optional<Pose2> best_particle(Words& words) {
+    const auto particles = words.next_number<std::size_t>();
+    std::optional<Pose2> best;
+    double best_weight = 0.0;
+    for (std::size_t i = 0; particles && i < *particles; ++i) {
+      const auto pose = words.next_pose();
+      const auto weight = words.next_number<double>();
+      if (!pose || !weight) return std::nullopt;
+      if (best && *weight <= best_weight) continue;
+      best = pose;
+      best_weight = *weight;
+    }
+    return best;
   }
 
   /// laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
@@ -250,7 +306,7 @@ class CarmenParser final : public ScanParser {
     if (!stamp) return malformed(laser.message, "expected a timestamp");
     out.scan.stamp = *stamp;
     if (!has_poses) out.T_odom_laser = odometry_at(*stamp, laser);
-    return finish(laser, std::move(out));
+    return check(laser, std::move(out));
   }
 
   /// True when what follows are the poses or the timestamp.
@@ -284,15 +340,11 @@ class CarmenParser final : public ScanParser {
     return odometry_->T_odom_robot * motion * T_robot_laser(laser);
   }
 
-  [[nodiscard]] std::optional<Error> check_beams(const Laser& laser,
-                                                 std::optional<std::size_t> beams) const {
+  [[nodiscard]] static std::optional<Error> check_beams(const Laser& laser,
+                                                        std::optional<std::size_t> beams) {
     if (!beams || *beams < 2 || *beams > LogReader::kMaxBeams) {
       return malformed(laser.message, "expected a number of beams from 2 to " +
                                           std::to_string(LogReader::kMaxBeams));
-    }
-    if (header_.beams != 0 && *beams != header_.beams) {
-      return malformed(laser.message, std::to_string(*beams) + " beams, expected " +
-                                          std::to_string(header_.beams) + " as in the first scan");
     }
     return std::nullopt;
   }
@@ -311,26 +363,19 @@ class CarmenParser final : public ScanParser {
     return true;
   }
 
-  /// The first good scan makes the header, which all others must fit.
-  Result<std::optional<LogScan>> finish(const Laser& laser, LogScan scan) {
+  /// The first good scan makes the header.
+  Result<std::optional<LogScan>> check(const Laser& laser, LogScan scan) {
     if (const auto error = validate(scan.scan)) {
       return malformed(laser.message, error->field + ": " + error->message);
     }
-    if (header_.beams == 0) {
-      header_.beams = scan.scan.ranges.size();
-      header_.lidar = scan.scan;
-      header_.lidar.ranges.clear();
-      header_.lidar.stamp = 0.0;
-    }
-    if (!has_geometry_of(scan.scan, header_.lidar)) {
-      return malformed(laser.message, "other angles or ranges than in the first scan");
-    }
+    if (header_.beams == 0) set_lidar(header_, scan.scan);
     return std::optional<LogScan>(std::move(scan));
   }
 
   std::string wanted_;  ///< The message whose scans are taken; empty until the first.
   Params params_;
   std::optional<Odometry> odometry_;
+  std::optional<LogScan> matched_;  ///< Of GMapping, until its SM_UPDATE.
 };
 
 }  // namespace

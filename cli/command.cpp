@@ -69,10 +69,39 @@ void add_map_name(CLI::App& command, std::string& name) {
   command.add_option("NAME", name, "Name of the map")->required()->check(map_name());
 }
 
-void add_lidar_option(CLI::App& command, std::string& lidar) {
-  command.add_option("--lidar", lidar,
+CLI::Option* add_log(CLI::App& command, std::string& log) {
+  return command
+      .add_option("LOG", log,
+                  "Recorded run: .jsonl, .log, .clf, .gfs, also .gz; .bag, .mcap, .db3, also "
+                  ".zstd; or the directory of a bag")
+      ->required()
+      ->check(CLI::ExistingPath);
+}
+
+void add_selection(CLI::App& command, LogSelection& selection) {
+  command.add_option("--lidar", selection.lidar,
                      "Topic of a bag, or message of a CARMEN log, with the scans to take (default: "
-                     "that of the first scan)");
+                     "the topic of the most beams, the message of the first scan)");
+  command.add_option("--odom", selection.odometry,
+                     "Topic of a bag with the odometry to take (default: tf, or else that of the "
+                     "lidar's namespace)");
+  command
+      .add_option_function<std::pair<double, double>>(
+          "--height",
+          [&selection](const std::pair<double, double>& band) {
+            if (!(band.first < band.second)) {
+              throw CLI::ValidationError("--height", "expected the lower height first");
+            }
+            selection.height = {band.first, band.second};
+          },
+          "Heights above the sensor between which a point cloud becomes a scan [m] (default: "
+          "-0.15 0.15)")
+      ->type_name("MIN MAX");
+  command
+      .add_option("--scan-time", selection.scan_time,
+                  "Seconds that the lidar takes for a scan, to straighten it by odometry (default: "
+                  "the time_increment of the log)")
+      ->check(above_zero());
 }
 
 }  // namespace cornerfix::cli

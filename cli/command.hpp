@@ -8,6 +8,8 @@
 
 #include <cornerfix/result.hpp>
 
+#include "cli/log_reader.hpp"
+
 namespace cornerfix::cli {
 
 constexpr int kDone = 0;
@@ -23,8 +25,11 @@ int fail(const Error& error);
 /// Says on stderr what a person should know of `where`; nothing when there is nothing to say.
 void warn(const std::string& where, const std::string& what);
 
-/// --lidar, for logs that hold the scans of several.
-void add_lidar_option(CLI::App& command, std::string& lidar);
+/// LOG, a recorded run: a file or the directory of a bag.
+CLI::Option* add_log(CLI::App& command, std::string& log);
+
+/// --lidar, --odom, --height and --scan-time.
+void add_selection(CLI::App& command, LogSelection& selection);
 
 /// A finite number above 0, or not below 0. CLI11's own tell the largest double in full.
 [[nodiscard]] CLI::Validator above_zero();

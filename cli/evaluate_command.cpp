@@ -28,7 +28,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string log;
-  std::string lidar;
+  LogSelection selection;
   std::string map_log;
   std::string other_map_log;
   std::string map_grid;
@@ -111,11 +111,11 @@ void mark_key_scans(RecordedLog& log) {
 /// A log and those of later drives, as one.
 Result<RecordedLog> read_drives(const EvaluateArguments& arguments) {
   Result<RecordedLog> log =
-      read_whole_log(arguments.mapping_log(), arguments.lidar, arguments.stride);
+      read_whole_log(arguments.mapping_log(), arguments.selection, arguments.stride);
   if (!log || arguments.update_logs.empty()) return log;
   mark_key_scans(*log);
   for (const std::string& path : arguments.update_logs) {
-    Result<RecordedLog> later = read_whole_log(path, arguments.lidar, arguments.stride);
+    Result<RecordedLog> later = read_whole_log(path, arguments.selection, arguments.stride);
     if (!later) return later.error();
     mark_key_scans(*later);
     std::ranges::move(later->scans, std::back_inserter(log->scans));
@@ -139,7 +139,7 @@ Result<Evaluation> further_map(const std::string& path, const EvaluateArguments&
     nowhere.header.name = path;
     return map_from_floor_map(path, nowhere, arguments.options.mapper);
   }
-  const Result<RecordedLog> log = read_whole_log(path, arguments.lidar, arguments.stride);
+  const Result<RecordedLog> log = read_whole_log(path, arguments.selection, arguments.stride);
   if (!log) return log.error();
   return map_of_all(*log, path, arguments);
 }
@@ -204,7 +204,7 @@ struct Task {
 };
 
 Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) {
-  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar, arguments.stride);
+  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.selection, arguments.stride);
   if (!log) return log.error();
   Task task{std::move(*log), {}, {}, {}};
   if (!arguments.map_grid.empty()) {
@@ -481,10 +481,8 @@ void add_evaluate_command(CLI::App& app, int& exit_code) {
       "evaluate",
       "Score the localizer on a log with reference poses: one part maps, the rest asks");
   command->option_defaults()->always_capture_default();
-  command->add_option("LOG", arguments->log, "Log whose scans ask")
-      ->required()
-      ->check(CLI::ExistingFile);
-  add_lidar_option(*command, arguments->lidar);
+  add_log(*command, arguments->log)->description("Log whose scans ask");
+  add_selection(*command, arguments->selection);
   command->add_option("--stride", arguments->stride, "Use every n-th scan")->check(above_zero());
   add_map_options(*command, *arguments);
   add_start_options(*command, arguments->options);

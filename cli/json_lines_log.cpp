@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 
 #include "cli/scan_parser.hpp"
 
@@ -21,6 +22,12 @@ bool is_blank(const std::string& line) {
 float range_or_nan(value range) {
   if (range.is_null()) return std::numeric_limits<float>::quiet_NaN();
   return static_cast<float>(range.get_double().value());
+}
+
+/// JSON has no infinity: null is no limit.
+double number_or_infinity(value number) {
+  if (number.is_null()) return std::numeric_limits<double>::infinity();
+  return number.get_double();
 }
 
 /// [x, y, yaw] or null.
@@ -46,6 +53,7 @@ class JsonLinesParser final : public ScanParser {
           json_.iterate(simdjson::padded_string_view(line.data(), line.size(), line.capacity()));
       if (!has_header_) {
         header_ = {};
+        named_beams_.reset();
         read_header(document.get_object());
       } else {
         LogScan scan = read_scan(document.get_object());
@@ -72,26 +80,38 @@ class JsonLinesParser final : public ScanParser {
         header_.name = std::string_view(field.value().get_string());
       } else if (field_ == "source") {
         header_.source = std::string_view(field.value().get_string());
+      } else if (field_ == "time_increment") {
+        time_increment_ = field.value().get_double();
       } else if (field_ == "beams") {
         header_.beams = field.value().get_uint64();
-      } else if (field_ == "angle_min") {
-        header_.lidar.angle_min = field.value().get_double();
-      } else if (field_ == "angle_increment") {
-        header_.lidar.angle_increment = field.value().get_double();
-      } else if (field_ == "range_min") {
-        header_.lidar.range_min = field.value().get_double();
-      } else if (field_ == "range_max") {
-        header_.lidar.range_max = field.value().get_double();
+        named_beams_ = header_.beams;
+      } else {
+        read_geometry(field.value(), header_.lidar);
       }
     }
     field_.clear();
   }
 
+  /// The member named `field_`, if it is one of a lidar's geometry.
+  void read_geometry(value member, LaserScan& lidar) const {
+    if (field_ == "angle_min") {
+      lidar.angle_min = member.get_double();
+    } else if (field_ == "angle_increment") {
+      lidar.angle_increment = member.get_double();
+    } else if (field_ == "range_min") {
+      lidar.range_min = member.get_double();
+    } else if (field_ == "range_max") {
+      lidar.range_max = number_or_infinity(member);
+    }
+  }
+
   LogScan read_scan(object fields) {
     LogScan out;
     out.scan = header_.lidar;
+    out.time_increment = time_increment_;
     out.scan.ranges.reserve(header_.beams);
     has_stamp_ = false;
+    has_own_angles_ = false;
     for (auto field : fields) {
       field_ = std::string_view(field.unescaped_key());
       if (field_ == "t") {
@@ -106,6 +126,11 @@ class JsonLinesParser final : public ScanParser {
         out.T_map_laser = pose_or_null(field.value());
       } else if (field_ == "kf") {
         out.is_key_scan = field.value().get_int64() != 0;
+      } else if (field_ == "time_increment") {
+        out.time_increment = field.value().get_double();
+      } else {
+        read_geometry(field.value(), out.scan);
+        has_own_angles_ |= field_ == "angle_min" || field_ == "angle_increment";
       }
     }
     field_.clear();
@@ -121,9 +146,9 @@ class JsonLinesParser final : public ScanParser {
       return malformed("ranges: number of values " + too_many_beams());
     }
     if (header_.beams == 0) header_.beams = scan.scan.ranges.size();
-    if (scan.scan.ranges.size() != header_.beams) {
+    if (named_beams_ && !has_own_angles_ && scan.scan.ranges.size() != *named_beams_) {
       return malformed("ranges: " + std::to_string(scan.scan.ranges.size()) + " values, expected " +
-                       std::to_string(header_.beams));
+                       std::to_string(*named_beams_) + " (from beams of the header)");
     }
     if (auto error = validate(scan.scan)) return malformed(error->field + ": " + error->message);
     return std::optional<LogScan>(std::move(scan));
@@ -132,7 +157,10 @@ class JsonLinesParser final : public ScanParser {
   simdjson::ondemand::parser json_;
   bool has_header_ = false;
   bool has_stamp_ = false;
-  std::string field_;  ///< Being read, for the message of an error.
+  bool has_own_angles_ = false;  ///< The scan being read.
+  std::optional<std::size_t> named_beams_;
+  double time_increment_ = 0.0;  ///< Of the header.
+  std::string field_;            ///< Being read, for the message of an error.
 };
 
 }  // namespace

@@ -24,11 +24,19 @@ class LogFaults {
     if (first_.size() < kKept) first_.push_back({std::move(where), std::move(message)});
   }
 
+  /// As add(), where what could not be used was a scan.
+  void add_scan(std::string where, std::string message) {
+    ++scans_;
+    add(std::move(where), std::move(message));
+  }
+
   [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::size_t scans() const { return scans_; }  ///< Of count().
   [[nodiscard]] std::span<const LogFault> first() const { return first_; }
 
  private:
   std::size_t count_ = 0;
+  std::size_t scans_ = 0;
   std::vector<LogFault> first_;
 };
 

@@ -1,5 +1,6 @@
 #include "cli/log_format.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <optional>
@@ -16,12 +17,6 @@ using namespace std::string_view_literals;
 
 /// What the file begins with; shorter where the file is.
 Result<std::string> first_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "is a directory, expected a file; of a ROS 2 bag the .db3 or .mcap file in it",
-                 path.string()};
-  }
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{ErrorCode::kNotFound, "cannot be opened", path.string()};
   std::array<char, 16> bytes{};
@@ -29,11 +24,11 @@ Result<std::string> first_bytes(const std::filesystem::path& path) {
   return std::string(bytes.data(), static_cast<std::size_t>(file.gcount()));
 }
 
-std::optional<LogFormat> format_by_magic(std::string_view bytes) {
-  if (bytes.starts_with("#ROSBAG V2.0")) return LogFormat::kRos1Bag;
-  if (bytes.starts_with("\x89MCAP0\r\n"sv)) return LogFormat::kMcap;
-  if (bytes.starts_with("SQLite format 3\0"sv)) return LogFormat::kSqliteBag;
-  return std::nullopt;
+/// Also of what is packed with zstd: a bag of compression_mode file.
+bool begins_as_bag(std::string_view bytes) {
+  constexpr std::array kMagics = {"#ROSBAG V2.0"sv, "\x89MCAP0\r\n"sv, "SQLite format 3\0"sv,
+                                  "\x28\xb5\x2f\xfd"sv};
+  return std::ranges::any_of(kMagics, [&](auto magic) { return bytes.starts_with(magic); });
 }
 
 std::string extension_without_gz(std::filesystem::path path) {
@@ -58,7 +53,7 @@ std::optional<LogFormat> format_by_first_line(const std::filesystem::path& path)
   const std::string_view line = lines->line();
   if (line.starts_with("{")) return LogFormat::kJsonLines;
   for (const char* word : {"# CARMEN", "# message_name", "PARAM ", "SYNC ", "ODOM ", "FLASER ",
-                           "RLASER ", "ROBOTLASER", "RAWLASER"}) {
+                           "RLASER ", "ROBOTLASER", "RAWLASER", "LASER_READING "}) {
     if (line.starts_with(word)) return LogFormat::kCarmen;
   }
   return std::nullopt;
@@ -67,9 +62,11 @@ std::optional<LogFormat> format_by_first_line(const std::filesystem::path& path)
 }  // namespace
 
 Result<LogFormat> detect_log_format(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return LogFormat::kBag;
   const Result<std::string> bytes = first_bytes(path);
   if (!bytes) return bytes.error();
-  if (const auto format = format_by_magic(*bytes)) return *format;
+  if (begins_as_bag(*bytes)) return LogFormat::kBag;
   if (bytes->starts_with("#ROSBAG V")) {
     return Error{ErrorCode::kInvalidArgument,
                  "is a bag of format " + bytes->substr(9, 3) + ", expected 2.0: see rosbag fix",
@@ -77,10 +74,11 @@ Result<LogFormat> detect_log_format(const std::filesystem::path& path) {
   }
   if (const auto format = format_by_extension(extension_without_gz(path))) return *format;
   if (const auto format = format_by_first_line(path)) return *format;
-  return Error{ErrorCode::kInvalidArgument,
-               "unknown kind of log, expected JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), "
-               "also with .gz, or an unpacked bag of ROS (.bag, .mcap, .db3)",
-               path.string()};
+  return Error{
+      ErrorCode::kInvalidArgument,
+      "unknown kind of log, expected JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), "
+      "also with .gz, or a bag of ROS (.bag, .mcap, .db3, also with .zstd, or a directory)",
+      path.string()};
 }
 
 }  // namespace cornerfix::cli

@@ -10,9 +10,7 @@ namespace cornerfix::cli {
 enum class LogFormat {
   kJsonLines,
   kCarmen,
-  kRos1Bag,    ///< Bag format 2.0.
-  kMcap,       ///< With messages of ROS 1 or ROS 2.
-  kSqliteBag,  ///< ROS 2's .db3.
+  kBag,  ///< Of ROS 1 or ROS 2, or a directory with the files of one.
 };
 
 /// By what the file begins with, then by its extension (.jsonl, .log, .clf, .gfs, also with .gz),

@@ -1,45 +1,36 @@
 #include "cli/log_reader.hpp"
 
-#include <cstdio>
 #include <utility>
 
 #include "cli/log_format.hpp"
 #include "cli/log_source.hpp"
+#include "cli/scan_straightener.hpp"
+#include "cli/stamp_order.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
 
-/// The file's name without ".gz" and its own extension.
+/// The name of the file without ".gz" and its own extension, or that of the directory.
 std::string plain_name(std::filesystem::path path) {
-  path = path.filename();
+  path = path.has_filename() ? path.filename() : path.parent_path().filename();
   if (path.extension() == ".gz") path = path.stem();
   return path.stem().string();
 }
 
 Result<std::unique_ptr<LogSource>> open_source(const std::filesystem::path& path,
-                                               const std::string& lidar) {
+                                               const LogSelection& selection) {
   const Result<LogFormat> format = detect_log_format(path);
   if (!format) return format.error();
   switch (*format) {
     case LogFormat::kJsonLines:
       return open_json_lines_log(path);
     case LogFormat::kCarmen:
-      return open_carmen_log(path, lidar);
-    case LogFormat::kRos1Bag:
-      return open_ros1_bag(path, lidar);
-    case LogFormat::kMcap:
-      return open_mcap(path, lidar);
-    case LogFormat::kSqliteBag:
-      return open_sqlite_bag(path, lidar);
+      return open_carmen_log(path, selection.lidar);
+    case LogFormat::kBag:
+      return open_bag(path, selection);
   }
   return Error{ErrorCode::kInternal, "format without reader", path.string()};
-}
-
-std::string seconds_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6f s", seconds);
-  return text;
 }
 
 /// "3 broken records left out, the first at line 7, byte 120: FLASER: expected 180 ranges".
@@ -52,48 +43,85 @@ std::string faults_text(const LogFaults& faults) {
 
 }  // namespace
 
-LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path)
-    : source_(std::move(source)), name_(plain_name(path)) {}
+LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path,
+                     double scan_time)
+    : source_(std::move(source)),
+      path_(path),
+      order_(std::make_unique<StampOrder>()),
+      straightener_(std::make_unique<ScanStraightener>()),
+      scan_time_(scan_time) {}
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 
-Result<LogReader> LogReader::open(const std::filesystem::path& path, const std::string& lidar) {
-  Result<std::unique_ptr<LogSource>> source = open_source(path, lidar);
+Result<LogReader> LogReader::open(const std::filesystem::path& path,
+                                  const LogSelection& selection) {
+  Result<std::unique_ptr<LogSource>> source = open_source(path, selection);
   if (!source) return source.error();
-  LogReader reader(std::move(*source), path);
-  reader.first_ = reader.next_in_order();
-  if (!reader.first_) {
-    const std::string which = lidar.empty() ? "" : " of " + lidar;
+  LogReader reader(std::move(*source), path, selection.scan_time);
+  reader.ahead_ = reader.next_in_order();
+  if (!reader.ahead_) {
+    const std::string which = selection.lidar.empty() ? "" : " of " + selection.lidar;
     const std::string why = remarks(reader);
     return Error{ErrorCode::kMalformed, "holds no scan" + which + (why.empty() ? "" : "; " + why),
                  path.string()};
   }
   reader.header_ = reader.source_->header();
-  if (reader.header_.name.empty()) reader.header_.name = reader.name_;
+  if (reader.header_.name.empty()) reader.header_.name = plain_name(path);
   return reader;
+}
+
+void set_lidar(LogHeader& header, const LaserScan& scan) {
+  header.beams = scan.ranges.size();
+  header.lidar = scan;
+  header.lidar.ranges.clear();
+  header.lidar.stamp = 0.0;
+}
+
+bool has_lidar_of(const LogHeader& header, const LaserScan& scan) {
+  const LaserScan& lidar = header.lidar;
+  return scan.ranges.size() == header.beams && scan.angle_min == lidar.angle_min &&
+         scan.angle_increment == lidar.angle_increment && scan.range_min == lidar.range_min &&
+         scan.range_max == lidar.range_max;
 }
 
 const LogHeader& LogReader::header() const { return header_; }
 
 double LogReader::progress() const { return source_->progress(); }
 
-const std::vector<std::string>& LogReader::notes() const { return source_->notes(); }
+std::vector<std::string> LogReader::notes() const {
+  std::vector<std::string> notes = source_->notes();
+  for (std::string& note : order_->notes()) notes.push_back(std::move(note));
+  if (std::string note = straightener_->note(); !note.empty()) notes.push_back(std::move(note));
+  return notes;
+}
+
+std::optional<Error> LogReader::most_scans_lost() const {
+  const std::size_t lost = faults_.scans();
+  if (lost <= scans_) return std::nullopt;
+  return Error{ErrorCode::kMalformed,
+               std::to_string(lost) + " of " + std::to_string(lost + scans_) +
+                   " scans were left out; " + remarks(*this),
+               path_.string()};
+}
 
 std::optional<LogScan> LogReader::next() {
-  if (first_) return std::exchange(first_, std::nullopt);
-  return next_in_order();
+  std::optional<LogScan> scan = ahead_ ? std::exchange(ahead_, std::nullopt) : next_in_order();
+  if (!scan) return scan;
+  if (scan->time_increment != 0.0) ahead_ = next_in_order();
+  straightener_->straighten(*scan, ahead_ ? &*ahead_ : nullptr);
+  return scan;
 }
 
 std::optional<LogScan> LogReader::next_in_order() {
   while (true) {
     std::optional<LogScan> scan = source_->next(faults_);
     if (!scan) return scan;
-    if (!last_stamp_ || scan->scan.stamp > *last_stamp_) {
-      last_stamp_ = scan->scan.stamp;
-      return scan;
+    if (!order_->take(*scan, faults_)) continue;
+    ++scans_;
+    if (scan_time_ > 0.0) {
+      scan->time_increment = scan_time_ / static_cast<double>(scan->scan.ranges.size());
     }
-    faults_.add("stamp " + seconds_text(scan->scan.stamp),
-                "not after " + seconds_text(*last_stamp_) + " of the scan before");
+    return scan;
   }
 }
 

@@ -6,8 +6,9 @@
 /// "kf": 1 on key scans; other members are ignored.
 /// CARMEN (.log, .clf, .gfs): FLASER, RLASER, ROBOTLASER1 and RAWLASER1 with ODOM and PARAM. A
 /// FLASER that says no more of its pose than its odometry does has no reference pose.
-/// Bags of ROS (.bag of format 2.0, .mcap, .db3): sensor_msgs/LaserScan with nav_msgs/Odometry and
-/// tf. Where tf knows `map`, the laser's pose there is the reference pose.
+/// Bags of ROS (.bag of format 2.0, .mcap, .db3, also .zstd; a directory of those):
+/// sensor_msgs/LaserScan, MultiEchoLaserScan or PointCloud2 with nav_msgs/Odometry and tf. Where tf
+/// knows `map`, the laser's pose there is the reference pose.
 /// All poses are of the laser.
 #pragma once
 
@@ -26,13 +27,18 @@
 
 namespace cornerfix::cli {
 
-/// What all scans of a log share.
+/// What is known of a log as a whole.
 struct LogHeader {
   std::string name;
-  LaserScan lidar;        ///< Geometry; its ranges are empty.
-  std::size_t beams = 0;  ///< Of every scan.
+  LaserScan lidar;        ///< Geometry of the first scan; its ranges are empty. Others may differ.
+  std::size_t beams = 0;  ///< Of the first scan.
   std::string source;     ///< Where the log comes from, for people; may be empty.
 };
+
+/// Takes the geometry of `scan` for that of the log.
+void set_lidar(LogHeader& header, const LaserScan& scan);
+/// Whether a scan has exactly the geometry of the log's header.
+[[nodiscard]] bool has_lidar_of(const LogHeader& header, const LaserScan& scan);
 
 /// One line of a log.
 struct LogScan {
@@ -40,6 +46,9 @@ struct LogScan {
   std::optional<Pose2> T_odom_laser;
   std::optional<Pose2> T_map_laser;  ///< The reference pose.
   bool is_key_scan = false;  ///< Some logs mark the scans whose reference pose is not interpolated.
+  /// From beam to beam [s]; 0 for a scan that was taken at once. See ScanMotion.
+  double time_increment = 0.0;
+  bool begins_run = false;  ///< The clock was set back: the robot may stand anywhere.
 };
 
 /// A whole log in memory.
@@ -48,21 +57,42 @@ struct RecordedLog {
   std::vector<LogScan> scans;
 };
 
-class LogSource;
+/// Heights above the sensor [m].
+struct HeightBand {
+  double min_m = -0.15;
+  double max_m = 0.15;
+};
 
-/// Reads a log scan by scan, and holds no more of it than it needs for the next one. Records that
-/// are broken, and scans that are no younger than the one before, are left out and counted. One
-/// thread at a time.
+/// What to take from a log that holds several.
+struct LogSelection {
+  /// A bag's topic or a CARMEN message ("RLASER"); empty for that of the most beams, in CARMEN logs
+  /// that of the first scan. Means nothing for JSON lines.
+  std::string lidar = {};
+  /// A bag's topic of nav_msgs/Odometry, which is then preferred to tf; empty for none in
+  /// particular.
+  std::string odometry = {};
+  /// Where a point cloud is cut.
+  HeightBand height = {};
+  /// That the lidar takes for a scan [s]; 0: as the log says.
+  double scan_time = 0.0;
+};
+
+class LogSource;
+class ScanStraightener;
+class StampOrder;
+
+/// Reads a log scan by scan, and holds no more of it than it needs for the next one. Stamps
+/// strictly increase: see stamp_order.hpp. Scans that were taken beam by beam are straightened:
+/// see scan_straightener.hpp. Records that are broken, and scans out of order, are left out and
+/// counted. One thread at a time.
 class LogReader {
  public:
   /// More beams than this has no lidar.
   static constexpr std::size_t kMaxBeams = 20000;
 
   /// Reads up to the first scan, so that the header is known.
-  /// \param lidar  Which lidar of a log with several: a bag's topic or a CARMEN message ("RLASER");
-  ///               empty for that of the first scan. Means nothing for JSON lines.
   [[nodiscard]] static Result<LogReader> open(const std::filesystem::path& path,
-                                              const std::string& lidar = "");
+                                              const LogSelection& selection = {});
   ~LogReader();
   LogReader(LogReader&&) noexcept;
 
@@ -74,22 +104,28 @@ class LogReader {
   /// What was left out so far.
   [[nodiscard]] const LogFaults& faults() const { return faults_; }
   /// What was assumed, for people.
-  [[nodiscard]] const std::vector<std::string>& notes() const;
+  [[nodiscard]] std::vector<std::string> notes() const;
+  /// That more scans were left out than given out so far, with what is known about why; nothing
+  /// when there were not.
+  [[nodiscard]] std::optional<Error> most_scans_lost() const;
 
  private:
-  LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path);
+  LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path, double scan_time);
   [[nodiscard]] std::optional<LogScan> next_in_order();
 
   std::unique_ptr<LogSource> source_;
-  std::string name_;  ///< Of the file.
+  std::filesystem::path path_;
   LogHeader header_;
   LogFaults faults_;
-  std::optional<double> last_stamp_;
-  std::optional<LogScan> first_;  ///< Read ahead by open().
+  std::unique_ptr<StampOrder> order_;
+  std::unique_ptr<ScanStraightener> straightener_;
+  double scan_time_;
+  std::size_t scans_ = 0;         ///< Given out, and `ahead_`.
+  std::optional<LogScan> ahead_;  ///< Read, but not given out.
 };
 
-/// What a person should know of a log that was read: notes, and the broken records. Empty when
-/// there is nothing to tell.
+/// What a person should know about a log that was read: notes, and the broken records. May be
+/// empty.
 [[nodiscard]] std::string remarks(const LogReader& reader);
 
 /// All of a log; `stride` n keeps every n-th scan, from the first.

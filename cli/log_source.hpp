@@ -32,16 +32,12 @@ class LogSource {
   std::vector<std::string> notes_;
 };
 
-/// JSON lines or CARMEN, plain or gzip'd; a bag of ROS. `lidar` as in LogReader::open().
+/// JSON lines or CARMEN, plain or gzip'd; a bag of ROS. `lidar` as in LogSelection.
 [[nodiscard]] Result<std::unique_ptr<LogSource>> open_json_lines_log(
     const std::filesystem::path& path);
 [[nodiscard]] Result<std::unique_ptr<LogSource>> open_carmen_log(const std::filesystem::path& path,
                                                                  const std::string& lidar);
-[[nodiscard]] Result<std::unique_ptr<LogSource>> open_ros1_bag(const std::filesystem::path& path,
-                                                               const std::string& lidar);
-[[nodiscard]] Result<std::unique_ptr<LogSource>> open_mcap(const std::filesystem::path& path,
-                                                           const std::string& lidar);
-[[nodiscard]] Result<std::unique_ptr<LogSource>> open_sqlite_bag(const std::filesystem::path& path,
-                                                                 const std::string& lidar);
+[[nodiscard]] Result<std::unique_ptr<LogSource>> open_bag(const std::filesystem::path& path,
+                                                          const LogSelection& selection);
 
 }  // namespace cornerfix::cli

@@ -4,9 +4,9 @@
 
 namespace cornerfix::cli {
 
-Result<LogSurvey> survey_log(const std::filesystem::path& path, const std::string& lidar,
+Result<LogSurvey> survey_log(const std::filesystem::path& path, const LogSelection& selection,
                              std::size_t stride) {
-  Result<LogReader> reader = LogReader::open(path, lidar);
+  Result<LogReader> reader = LogReader::open(path, selection);
   if (!reader) return reader.error();
   LogSurvey survey;
   Progress progress("reading");
@@ -18,6 +18,7 @@ Result<LogSurvey> survey_log(const std::filesystem::path& path, const std::strin
     ++survey.posed_scans;
     if (scan->is_key_scan) ++survey.posed_key_scans;
   }
+  if (auto error = reader->most_scans_lost()) return *error;
   survey.remarks = remarks(*reader);
   return survey;
 }

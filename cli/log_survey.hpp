@@ -25,9 +25,9 @@ struct LogSurvey {
   }
 };
 
-/// Reads the whole log, of which `stride` n keeps every n-th scan, from the first, and holds none
-/// of it.
+/// An error as well when most of its scans cannot be used. Reads the whole log, of which `stride` n
+/// keeps every n-th scan, from the first, and holds none of it.
 [[nodiscard]] Result<LogSurvey> survey_log(const std::filesystem::path& path,
-                                           const std::string& lidar, std::size_t stride = 1);
+                                           const LogSelection& selection, std::size_t stride = 1);
 
 }  // namespace cornerfix::cli

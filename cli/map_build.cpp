@@ -86,7 +86,8 @@ HttpRequest batch_request(const std::string& map, const LogHeader& header,
                           std::span<const LogScan> scans, bool without_poses) {
   auto list = nlohmann::ordered_json::array();
   for (const LogScan& scan : scans)
-    list.push_back(without_poses ? robot_scan_json(scan, true) : posed_scan_json(scan));
+    list.push_back(without_poses ? robot_scan_json(header, scan, true)
+                                 : posed_scan_json(header, scan));
   const nlohmann::ordered_json body = {{"lidar", lidar_json(header)}, {"scans", std::move(list)}};
   return {"POST", "/v1/maps/" + percent_encode(map) + "/scans", body.dump()};
 }

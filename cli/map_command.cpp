@@ -112,9 +112,7 @@ void add_build_command(CLI::App& map, int& exit_code) {
       "skipped, so the same log may be sent again. A later drive in the map's building and frame\n"
       "updates it: where that drive looked, what is gone leaves the map.");
   add_map_name(*command, arguments->name);
-  command->add_option("LOG", arguments->log, "Recorded drive")
-      ->required()
-      ->check(CLI::ExistingFile);
+  add_log(*command, arguments->log);
   command->add_option("--split", arguments->scans.split, "Use this first share of the log only")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
@@ -123,7 +121,7 @@ void add_build_command(CLI::App& map, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--slam", arguments->scans.without_poses,
                     "Find the poses from scans and odometry instead of taking the log's");
-  add_lidar_option(*command, arguments->scans.lidar);
+  add_selection(*command, arguments->scans.selection);
   CLI::Option* database = command->add_option(
       "--db", arguments->database, "Write into this database file instead of asking a server");
   add_connection_options(*command, arguments->connection);

@@ -27,27 +27,30 @@ struct Imported {
 /// A server takes bodies of 16 MiB, if it is not told otherwise.
 constexpr std::size_t kMaxImageBytes = std::size_t{15} << 20U;
 
-/// The same cells as a png, which is a small part of a large pgm; and what is to be said of the
-/// files as they were.
-Result<std::optional<std::string>> pack(MapFiles& files) {
+/// The same cells as a png, which is a small part of a large pgm. Returns what the map's owner
+/// should know about the files as they were.
+Result<std::vector<std::string>> pack(MapFiles& files) {
   const auto image = std::as_bytes(std::span(files.image));
   const Result<OccupancyGrid> grid = parse_map(files.yaml, image);
   if (!grid) return Error{grid.error().code, grid.error().message, files.image_path.string()};
-  auto advice = threshold_advice(files.yaml, image);
+  std::vector<std::string> warnings;
+  for (auto note : {thinning_note(files.yaml, *grid), threshold_advice(files.yaml, image)}) {
+    if (note) warnings.push_back(std::move(*note));
+  }
   const std::vector<std::byte> png = encode_grid_png(*grid);
   files.image.assign(reinterpret_cast<const char*>(png.data()), png.size());
   files.yaml = encode_grid_yaml(*grid, "image.png");
-  return advice;
+  return warnings;
 }
 
 Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles files) {
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
-  std::optional<std::string> advice;
+  std::vector<std::string> warnings;
   if (files.image.size() > kMaxImageBytes && !server->is_printing()) {
     auto packed = pack(files);
     if (!packed) return packed.error();
-    advice = std::move(*packed);
+    warnings = std::move(*packed);
   }
   HttpRequest request{"PUT", "/v1/maps/" + percent_encode(arguments.name) + "/grid"};
   request.form = {{"yaml", arguments.yaml, std::move(files.yaml)},
@@ -58,7 +61,7 @@ Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles 
   Imported imported{answer->value("features", std::size_t{0}),
                     answer->value("revision", std::uint64_t{0}),
                     answer->value("warnings", std::vector<std::string>{})};
-  if (advice) imported.warnings.push_back(std::move(*advice));
+  imported.warnings.insert(imported.warnings.end(), warnings.begin(), warnings.end());
   return imported;
 }
 
@@ -77,6 +80,7 @@ Result<Imported> import_into_file(const MapImportArguments& arguments, const Map
 int run_map_import(const MapImportArguments& arguments) {
   Result<MapFiles> files = load_map_files(arguments.yaml);
   if (!files) return fail(files.error());
+  warn(arguments.yaml, files->note);
   const Result<Imported> imported = arguments.database.empty()
                                         ? import_over_http(arguments, std::move(*files))
                                         : import_into_file(arguments, *files);

@@ -32,10 +32,10 @@ MappingScans::MappingScans(LogReader reader, const LogSurvey& survey,
 
 Result<MappingScans> MappingScans::open(const std::filesystem::path& path,
                                         const MappingScanOptions& options) {
-  const Result<LogSurvey> survey = survey_log(path, options.lidar, options.stride);
+  const Result<LogSurvey> survey = survey_log(path, options.selection, options.stride);
   if (!survey) return survey.error();
   if (usable_scans(*survey, options) == 0) return no_usable_scan(*survey, options, path);
-  Result<LogReader> reader = LogReader::open(path, options.lidar);
+  Result<LogReader> reader = LogReader::open(path, options.selection);
   if (!reader) return reader.error();
   return MappingScans(std::move(*reader), *survey, options);
 }

@@ -12,7 +12,7 @@
 namespace cornerfix::cli {
 
 struct MappingScanOptions {
-  std::string lidar;           ///< As in LogReader::open().
+  LogSelection selection;
   double split = 1.0;          ///< Take them from this first share of the log.
   std::size_t stride = 1;      ///< Every n-th scan.
   bool without_poses = false;  ///< All scans, whose poses are to be found.

@@ -23,7 +23,7 @@ namespace {
 struct ReplayArguments {
   ConnectionOptions connection;
   std::string log;
-  std::string lidar;
+  LogSelection selection;
   std::string map;
   std::string robot = "replay";
   LogPosition from;
@@ -49,23 +49,27 @@ class RobotScans {
   [[nodiscard]] static Result<RobotScans> open(const ReplayArguments& arguments) {
     std::size_t left_out = 0;
     if (arguments.split > 0.0) {
-      const Result<LogSurvey> survey = survey_log(arguments.log, arguments.lidar);
+      const Result<LogSurvey> survey = survey_log(arguments.log, arguments.selection);
       if (!survey) return survey.error();
       left_out = survey->posed_scans_in(arguments.split);
     }
-    Result<LogReader> reader = LogReader::open(arguments.log, arguments.lidar);
+    Result<LogReader> reader = LogReader::open(arguments.log, arguments.selection);
     if (!reader) return reader.error();
     RobotScans scans(std::move(*reader));
     if (scans.go_to(left_out, arguments.from)) return scans;
     return Error{ErrorCode::kInvalidArgument, "holds no scan from there on", arguments.log};
   }
 
-  /// The next `size` scans, fewer at the end of the log.
+  /// The next `size` scans, fewer at the end of the log or of a run.
   std::vector<LogScan> next_batch(std::size_t size) {
     std::vector<LogScan> batch;
     while (batch.size() < size) {
-      std::optional<LogScan> scan = first_ ? std::exchange(first_, std::nullopt) : reader_.next();
+      std::optional<LogScan> scan = ahead_ ? std::exchange(ahead_, std::nullopt) : reader_.next();
       if (!scan) break;
+      if (scan->begins_run && !batch.empty()) {
+        ahead_ = std::move(scan);
+        break;
+      }
       batch.push_back(std::move(*scan));
     }
     return batch;
@@ -87,7 +91,7 @@ class RobotScans {
       }
       if (!first_stamp) first_stamp = scan->scan.stamp;
       if (is_reached(from, index++, scan->scan.stamp - *first_stamp)) {
-        first_ = std::move(scan);
+        ahead_ = std::move(scan);
         return true;
       }
     }
@@ -95,14 +99,14 @@ class RobotScans {
   }
 
   LogReader reader_;
-  std::optional<LogScan> first_;
+  std::optional<LogScan> ahead_;  ///< Read, but not given out.
 };
 
 /// Metres driven so far.
 class Way {
  public:
   void add(const LogScan& scan) {
-    if (last_) way_m_ += way_between(*last_, scan);
+    if (last_ && !scan.begins_run) way_m_ += way_between(*last_, scan);
     last_ = {{}, scan.T_odom_laser, scan.T_map_laser};
   }
   [[nodiscard]] double m() const { return way_m_; }
@@ -177,10 +181,17 @@ class Robot {
   Result<nlohmann::json> post(std::span<const LogScan> batch) {
     auto scans = nlohmann::ordered_json::array();
     for (const LogScan& scan : batch) {
-      scans.push_back(robot_scan_json(scan, !arguments_.no_odometry));
+      scans.push_back(robot_scan_json(header_, scan, !arguments_.no_odometry));
     }
     const nlohmann::ordered_json body = {{"sequence", sequence_++}, {"scans", std::move(scans)}};
     return server_.call({"POST", "/v1/sessions/" + session_ + "/scans", body.dump()});
+  }
+
+  /// Forgets the pose: the robot may have been carried since.
+  Result<void> reset() {
+    const auto answer = server_.call({"POST", "/v1/sessions/" + session_ + "/reset"});
+    if (!answer) return answer.error();
+    return {};
   }
 
   Result<void> switch_off() {
@@ -210,6 +221,22 @@ class Pace {
  private:
   double rate_;
   std::chrono::steady_clock::time_point start_;
+};
+
+/// Seconds of log time since the first scan, without the pauses between runs.
+class LogClock {
+ public:
+  void add(std::span<const LogScan> batch) {
+    const double begin = batch.front().scan.stamp;
+    if (last_ && !batch.front().begins_run) seconds_ += begin - *last_;
+    last_ = batch.back().scan.stamp;
+    seconds_ += *last_ - begin;
+  }
+  [[nodiscard]] double seconds() const { return seconds_; }
+
+ private:
+  std::optional<double> last_;  ///< Stamp.
+  double seconds_ = 0.0;
 };
 
 /// Prints an answer when its status is not that of the one before, and the last one in any case.
@@ -254,19 +281,21 @@ Result<bool> drive(Robot& robot, const ReplayArguments& arguments, RobotScans& s
                    bool is_printing_curl) {
   const Pace pace(is_printing_curl ? 0.0 : arguments.rate);
   ChangePrinter printer;
-  std::optional<double> first_stamp;
   std::optional<double> fixed_at_m;
+  LogClock clock;
   Way way;
   for (auto batch = scans.next_batch(arguments.batch); !batch.empty();
        batch = scans.next_batch(arguments.batch)) {
-    if (!first_stamp) first_stamp = batch.front().scan.stamp;
-    const double seconds = batch.back().scan.stamp - *first_stamp;
+    clock.add(batch);
     for (const LogScan& scan : batch) way.add(scan);
-    pace.wait_until(seconds);
+    pace.wait_until(clock.seconds());
+    if (batch.front().begins_run) {
+      if (const auto reset = robot.reset(); !reset) return reset.error();
+    }
     Result<nlohmann::json> answer = robot.post(batch);
     if (!answer) return answer.error();
     if (is_printing_curl) continue;
-    printer.add(std::move(*answer), seconds, way.m(), batch.back());
+    printer.add(std::move(*answer), clock.seconds(), way.m(), batch.back());
     if (!fixed_at_m && printer.is_localized()) fixed_at_m = way.m();
     if (fixed_at_m && way.m() >= *fixed_at_m + arguments.track_m) break;
   }
@@ -283,22 +312,20 @@ int run_replay(const ReplayArguments& arguments) {
   const Result<void> on = robot.switch_on();
   if (!on) return fail(on.error());
   const Result<bool> localized = drive(robot, arguments, *scans, server->is_printing());
-  warn(arguments.log, remarks(scans->log()));
+  const std::optional<Error> lost = scans->log().most_scans_lost();
+  if (!lost) warn(arguments.log, remarks(scans->log()));
   if (!arguments.keep_session) {
     const Result<void> off = robot.switch_off();
     if (localized && !off) return fail(off.error());
   }
   if (!localized) return fail(localized.error());
+  if (lost) return fail(*lost);
   return *localized || server->is_printing() ? kDone : kCouldNot;
 }
 
 void add_options(CLI::App& command, ReplayArguments& arguments) {
-  command
-      .add_option("LOG", arguments.log,
-                  "Recorded drive: .jsonl, .log, .clf, .gfs, also .gz; .bag, .mcap, .db3")
-      ->required()
-      ->check(CLI::ExistingFile);
-  add_lidar_option(command, arguments.lidar);
+  add_log(command, arguments.log);
+  add_selection(command, arguments.selection);
   command.add_option("--map", arguments.map, "Map to look in (default: all that the server has)")
       ->check(map_name());
   command.add_option("--robot", arguments.robot, "Name of the robot")->capture_default_str();

@@ -14,12 +14,25 @@ nlohmann::ordered_json range_json(const LaserScan& scan, std::size_t beam) {
   return rounded(scan.ranges[beam]);
 }
 
-nlohmann::ordered_json scan_json(const LaserScan& scan) {
+/// JSON has no infinity: a lidar without limit has the range_max null.
+nlohmann::ordered_json geometry_json(const LaserScan& lidar) {
+  nlohmann::ordered_json json = {{"angle_min", lidar.angle_min},
+                                 {"angle_increment", lidar.angle_increment},
+                                 {"range_min", lidar.range_min},
+                                 {"range_max", nullptr}};
+  if (std::isfinite(lidar.range_max)) json["range_max"] = lidar.range_max;
+  return json;
+}
+
+nlohmann::ordered_json scan_json(const LogHeader& header, const LaserScan& scan) {
   auto ranges = nlohmann::ordered_json::array();
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     ranges.push_back(range_json(scan, beam));
   }
-  return {{"stamp", scan.stamp}, {"ranges", std::move(ranges)}};
+  nlohmann::ordered_json json = {{"stamp", scan.stamp}};
+  if (!has_lidar_of(header, scan)) json.update(geometry_json(scan));
+  json["ranges"] = std::move(ranges);
+  return json;
 }
 
 }  // namespace
@@ -29,11 +42,9 @@ nlohmann::ordered_json pose_json(const Pose2& pose) {
 }
 
 nlohmann::ordered_json lidar_json(const LogHeader& header) {
-  return {{"angle_min", header.lidar.angle_min},
-          {"angle_increment", header.lidar.angle_increment},
-          {"range_min", header.lidar.range_min},
-          {"range_max", header.lidar.range_max},
-          {"beams", header.beams}};
+  nlohmann::ordered_json json = geometry_json(header.lidar);
+  json["beams"] = header.beams;
+  return json;
 }
 
 LaserScan as_sent(LaserScan scan) {
@@ -41,14 +52,15 @@ LaserScan as_sent(LaserScan scan) {
   return scan;
 }
 
-nlohmann::ordered_json posed_scan_json(const LogScan& scan) {
-  nlohmann::ordered_json json = scan_json(scan.scan);
+nlohmann::ordered_json posed_scan_json(const LogHeader& header, const LogScan& scan) {
+  nlohmann::ordered_json json = scan_json(header, scan.scan);
   json["pose"] = pose_json(*scan.T_map_laser);
   return json;
 }
 
-nlohmann::ordered_json robot_scan_json(const LogScan& scan, bool with_odometry) {
-  nlohmann::ordered_json json = scan_json(scan.scan);
+nlohmann::ordered_json robot_scan_json(const LogHeader& header, const LogScan& scan,
+                                       bool with_odometry) {
+  nlohmann::ordered_json json = scan_json(header, scan.scan);
   if (with_odometry && scan.T_odom_laser) json["odom"] = pose_json(*scan.T_odom_laser);
   return json;
 }

@@ -12,12 +12,14 @@ namespace cornerfix::cli {
 [[nodiscard]] nlohmann::ordered_json pose_json(const Pose2& pose);
 [[nodiscard]] nlohmann::ordered_json lidar_json(const LogHeader& header);
 
-/// With the scan's reference pose, for mapping.
 /// The scan as a server reads it from the JSON below: ranges in tenths of a millimetre.
 [[nodiscard]] LaserScan as_sent(LaserScan scan);
-[[nodiscard]] nlohmann::ordered_json posed_scan_json(const LogScan& scan);
-/// With odometry where there is any and it is wanted, as a robot posts it.
-[[nodiscard]] nlohmann::ordered_json robot_scan_json(const LogScan& scan, bool with_odometry);
+/// With the scan's reference pose, for mapping; with its own geometry where that is not the log's.
+[[nodiscard]] nlohmann::ordered_json posed_scan_json(const LogHeader& header, const LogScan& scan);
+/// With odometry where there is any and it is wanted, as a robot posts it; with its own geometry
+/// where that is not the log's.
+[[nodiscard]] nlohmann::ordered_json robot_scan_json(const LogHeader& header, const LogScan& scan,
+                                                     bool with_odometry);
 
 /// An {x, y, yaw} object, or nothing.
 [[nodiscard]] std::optional<Pose2> pose_from_json(const nlohmann::json& json);

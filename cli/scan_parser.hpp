@@ -17,15 +17,15 @@ class ScanParser {
   /// padding behind it. An error's message does not name the line, the caller knows it.
   [[nodiscard]] virtual Result<std::optional<LogScan>> parse(const std::string& line) = 0;
 
+  /// A scan that waited for a line that did not come, once all lines were parsed.
+  [[nodiscard]] virtual std::optional<LogScan> finish() { return std::nullopt; }
+
   /// Complete once the first scan was parsed.
   [[nodiscard]] const LogHeader& header() const { return header_; }
 
  protected:
   LogHeader header_;
 };
-
-/// Whether a scan was taken by the lidar of the log's first one, as far as rounding lets tell.
-[[nodiscard]] bool has_geometry_of(const LaserScan& scan, const LaserScan& lidar);
 
 [[nodiscard]] std::unique_ptr<ScanParser> make_json_lines_parser();
 /// `lidar` is the message to take ("FLASER"), or empty for that of the first scan.

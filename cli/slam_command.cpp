@@ -23,7 +23,7 @@ namespace {
 
 struct SlamArguments {
   std::string log;
-  std::string lidar;
+  LogSelection selection;
   bool no_odometry = false;
 };
 
@@ -71,7 +71,7 @@ nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamR
 }
 
 int run_slam_command(const SlamArguments& arguments) {
-  const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.lidar);
+  const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.selection);
   if (!log) return fail(log.error());
   Progress progress("slam");
   const std::clock_t begin = std::clock();
@@ -105,10 +105,8 @@ void add_slam_command(CLI::App& app, int& exit_code) {
       "20 m of way apart; and of both trajectories, or of the one found, between scans of one "
       "place, "
       "20 m of way and more apart, that are laid on each other.");
-  command->add_option("LOG", arguments->log, "Recorded drive")
-      ->required()
-      ->check(CLI::ExistingFile);
-  add_lidar_option(*command, arguments->lidar);
+  add_log(*command, arguments->log);
+  add_selection(*command, arguments->selection);
   command->add_flag("--no-odom", arguments->no_odometry, "Use the scans alone");
   command->callback([arguments, &exit_code] { exit_code = run_slam_command(*arguments); });
 }

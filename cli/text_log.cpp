@@ -18,13 +18,12 @@ class TextLog final : public LogSource {
     while (true) {
       const Result<bool> more = lines_.next();
       if (!more) faults.add(place(), more.error().message);
-      if (!more || !*more) return std::nullopt;
+      if (!more || !*more) return take(parser_->finish());
       Result<std::optional<LogScan>> scan = parser_->parse(lines_.line());
       if (!scan) {
-        faults.add(place(), scan.error().message);
+        faults.add_scan(place(), scan.error().message);
       } else if (*scan) {
-        header_ = parser_->header();
-        return std::move(*scan);
+        return take(std::move(*scan));
       }
       if (header_.beams == 0 && faults.count() >= kMaxFaultsBeforeAScan) return std::nullopt;
     }
@@ -35,6 +34,11 @@ class TextLog final : public LogSource {
  private:
   /// More broken lines than this in front of the first scan, and the file is no log.
   static constexpr std::size_t kMaxFaultsBeforeAScan = 100;
+
+  std::optional<LogScan> take(std::optional<LogScan> scan) {
+    header_ = parser_->header();
+    return scan;
+  }
 
   [[nodiscard]] std::string place() const {
     return "line " + std::to_string(lines_.line_number()) + ", byte " +

@@ -5,15 +5,16 @@
 
 namespace cornerfix::cli {
 
-Result<RecordedLog> read_whole_log(const std::string& path, const std::string& lidar,
+Result<RecordedLog> read_whole_log(const std::string& path, const LogSelection& selection,
                                    std::size_t stride) {
-  Result<LogReader> reader = LogReader::open(path, lidar);
+  Result<LogReader> reader = LogReader::open(path, selection);
   if (!reader) return reader.error();
   RecordedLog log;
   {
     Progress progress("reading");
     log = read_all(*reader, stride, [&](double share) { progress.update(share); });
   }
+  if (auto error = reader->most_scans_lost()) return *error;
   warn(path, remarks(*reader));
   return log;
 }

@@ -9,9 +9,10 @@
 
 namespace cornerfix::cli {
 
-/// \param lidar   As in LogReader::open().
+/// An error as well when most of its scans cannot be used.
 /// \param stride  n keeps every n-th scan, from the first.
-[[nodiscard]] Result<RecordedLog> read_whole_log(const std::string& path, const std::string& lidar,
+[[nodiscard]] Result<RecordedLog> read_whole_log(const std::string& path,
+                                                 const LogSelection& selection,
                                                  std::size_t stride = 1);
 
 }  // namespace cornerfix::cli

@@ -295,7 +295,6 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
                                         .expected_sequence = session.record.expected_sequence,
                                         .last_answer = session.record.last_answer,
                                         .state = &forgotten,
-                                        .beams = session.lidar.beams.value_or(0),
                                         .now = now,
                                         .last_batch = session.record.last_batch};
     const auto saved =
@@ -357,7 +356,6 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .sequence = request.sequence,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
-  session.lidar.beams = last.scan.ranges.size();
   if (auto saved = save(session, request, answer); !saved) return saved.error();
   session.status = batch.answer.status;
   session.last_scan = last;
@@ -377,7 +375,6 @@ Result<void> LocalizationService::save(Session& session, const api::SessionScans
                                       .expected_sequence = request.sequence + 1,
                                       .last_answer = answer,
                                       .state = &state,
-                                      .beams = session.lidar.beams.value_or(0),
                                       .now = now,
                                       .last_batch = digest_of(request.scans)};
   auto saved = stores_->with_sessions(
@@ -447,7 +444,6 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.params = api::params_from_json(record.options_json);
   session.stored_state = std::exchange(record.state, {});
   session.record = std::move(record);
-  if (!session.lidar.beams && session.record.beams > 0) session.lidar.beams = session.record.beams;
   for (std::size_t i = 0; i < session.record.maps.size(); ++i) {
     const std::int64_t map_id = session.record.map_ids[i];
     if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);

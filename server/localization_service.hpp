@@ -64,7 +64,7 @@ using BatchListener = std::function<void(const std::string& session, const Batch
 /// What is needed to read a session's batch.
 struct SessionHead {
   std::string robot;
-  api::Lidar lidar;  ///< With the `beams` of the first scan, if the session itself named none.
+  api::Lidar lidar;
 };
 
 /// What came of a batch.

@@ -65,8 +65,8 @@ class MapLibrary {
   [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
   [[nodiscard]] Result<void> remove(std::string_view name);
 
-  /// The lidar of scans that come without one, with the number of beams that the map's first scan
-  /// of it had. Nothing when the map was not given any.
+  /// The map's lidar for simulated scans; without `beams` of its own it has as many as the map's
+  /// first scan of it. Nothing when the map was not given any.
   [[nodiscard]] Result<std::optional<api::Lidar>> lidar(const storage::MapInfo& info);
 
   /// kConflict when the map was made from scans without poses.

@@ -125,10 +125,9 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     const auto info = maps().find(name);
     if (!info) return error_response(request, info.error());
-    const auto lidar = maps().lidar(*info);
-    if (!lidar) return error_response(request, lidar.error());
     const auto parsed =
-        api::parse_map_scans(request.body, request.body_format, *lidar, services_.limits);
+        api::parse_map_scans(request.body, request.body_format,
+                             api::lidar_from_json(info->lidar_json), services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::MapScansRequest>(parsed);
     const auto report = batch.unposed_scans.empty() ? maps().grow(name, batch.scans)

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <optional>
 #include <utility>
@@ -21,7 +22,8 @@ VirtualRobot robot_with(const std::optional<api::Lidar>& lidar) {
   robot.lidar.angle_min = lidar->angle_min;
   robot.lidar.angle_increment = lidar->angle_increment;
   robot.lidar.range_min = lidar->range_min;
-  robot.lidar.range_max = lidar->range_max;
+  // No real lidar is without limit; a simulated one keeps the limit of VirtualRobot then.
+  if (std::isfinite(lidar->range_max)) robot.lidar.range_max = lidar->range_max;
   robot.beams = *lidar->beams;
   robot.T_base_link_laser = lidar->T_base_link_laser;
   return robot;

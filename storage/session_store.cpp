@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::string_view kSelectSession =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state, beams, last_used, last_batch FROM sessions WHERE id = ?";
+    "state, last_used, last_batch FROM sessions WHERE id = ?";
 
 constexpr std::string_view kSelectPage =
     "SELECT number, id, robot, created, lidar_json, options_json, expected_sequence, last_answer, "
-    "state, beams, last_used, last_batch FROM sessions WHERE number > ?1 AND (?2 = '' OR robot = "
+    "state, last_used, last_batch FROM sessions WHERE number > ?1 AND (?2 = '' OR robot = "
     "?2) "
     "ORDER BY number LIMIT ?3";
 
@@ -60,17 +60,16 @@ struct AnswerRow {
   std::uint64_t expected_sequence = 0;
   std::string_view last_answer;
   BlobView state;
-  std::size_t beams = 0;
   std::string_view last_used;
   std::uint64_t last_batch = 0;
 };
 
 void write_answer(Database& database, std::int64_t session, const AnswerRow& row) {
   Statement(database,
-            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, beams = ?, "
+            "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, "
             "last_used = ?, last_batch = ? WHERE number = ?")
-      .bind(row.expected_sequence, row.last_answer, row.state, row.beams, row.last_used,
-            row.last_batch, session)
+      .bind(row.expected_sequence, row.last_answer, row.state, row.last_used, row.last_batch,
+            session)
       .run();
 }
 
@@ -123,7 +122,6 @@ SessionRecord read_record(Database& database, const Statement& row) {
   record.options_json = row.text(5);
   record.expected_sequence = row.number(6);
   record.last_answer = row.text(7);
-  record.beams = row.number(9);
   record.last_used = row.text(10);
   record.last_batch = row.number(11);
   return record;
@@ -188,7 +186,6 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
                  {.expected_sequence = record.expected_sequence,
                   .last_answer = record.last_answer,
                   .state = state,
-                  .beams = record.beams,
                   .last_used = record.last_used.empty() ? record.created : record.last_used,
                   .last_batch = record.last_batch});
     transaction.commit();
@@ -214,7 +211,6 @@ Result<void> SessionStore::update(std::string_view id, const SessionUpdate& upda
                  {.expected_sequence = update.expected_sequence,
                   .last_answer = update.last_answer,
                   .state = state,
-                  .beams = update.beams,
                   .last_used = update.now,
                   .last_batch = update.last_batch});
     transaction.commit();

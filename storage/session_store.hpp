@@ -33,7 +33,6 @@ struct SessionRecord {
   LocalizerState state;
   /// Of the maps when they were asked for, in their order; 0 where not known.
   std::vector<std::int64_t> map_ids{};
-  std::size_t beams = 0;         ///< Of each scan; 0 before the first.
   std::string last_used{};       ///< When it took its last batch, or was made: as `created`.
   std::uint64_t last_batch = 0;  ///< Digest of the batch that `last_answer` answers; 0: not known.
   std::int64_t number = 0;       ///< Given by insert(); grows from session to session.
@@ -54,7 +53,6 @@ struct SessionUpdate {
   std::string_view last_answer;
   const LocalizerState* state = nullptr;  ///< Only submap scans that are not stored yet are
                                           ///< written; those no longer there go.
-  std::size_t beams = 0;                  ///< Of each scan; 0 before the first.
   std::string_view now{};                 ///< As `created`.
   std::uint64_t last_batch = 0;           ///< Digest of the batch; 0: not known.
 };

@@ -1,16 +1,18 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <deque>
+#include <limits>
 #include <numbers>
 #include <utility>
 
+#include "cli/bag/bag_messages.hpp"
+#include "cli/bag/bag_survey.hpp"
 #include "cli/bag/frame_tree.hpp"
-#include "cli/bag/mcap.hpp"
-#include "cli/bag/message_source.hpp"
-#include "cli/bag/ros1_bag.hpp"
-#include "cli/bag/sqlite_bag.hpp"
+#include "cli/bag/point_cloud_slice.hpp"
+#include "cli/bag/robot_odometry.hpp"
+#include "cli/bag/stamp_range.hpp"
 #include "cli/log_source.hpp"
-#include "cli/scan_parser.hpp"
 
 namespace cornerfix::cli {
 
@@ -20,6 +22,9 @@ namespace {
 constexpr double kMaxWaitSeconds = 1.0;
 constexpr std::size_t kMaxWaiting = 256;
 
+/// After as many scans without any odometry people should know.
+constexpr std::size_t kScansWithoutOdometry = 20;
+
 /// The laser's z axis must be within 25 degrees of the vertical.
 const double kLeastUpright = std::cos(25.0 * std::numbers::pi / 180.0);
 
@@ -27,6 +32,7 @@ struct WaitingScan {
   LaserScanMessage message;
   double received = 0.0;
   std::string where;
+  bool is_level = false;  ///< However the sensor stands.
 };
 
 /// Seen from above: an overhead lidar turns clockwise.
@@ -45,11 +51,31 @@ Pose2 on_the_floor(const Eigen::Isometry3d& T) {
 /// How upright the laser stands: 1, or -1 when it hangs upside down.
 double uprightness(const Eigen::Isometry3d& T) { return T(2, 2); }
 
+/// "/scan (sensor_msgs/LaserScan, 120 messages), ..."
+std::string list(const std::vector<BagTopic>& topics) {
+  constexpr std::size_t kMostListed = 30;
+  if (topics.empty()) return "none";
+  std::string text;
+  for (std::size_t i = 0; i < std::min(topics.size(), kMostListed); ++i) {
+    text += (i == 0 ? "" : ", ") + topics[i].name + " (" + topics[i].type + ", " +
+            std::to_string(topics[i].messages) + " messages)";
+  }
+  if (topics.size() > kMostListed) {
+    text += " and " + std::to_string(topics.size() - kMostListed) + " more";
+  }
+  return text;
+}
+
 /// Scans of one lidar with the poses that odometry and tf know for them.
 class BagLog final : public LogSource {
  public:
-  BagLog(std::unique_ptr<MessageSource> messages, std::string topic)
-      : messages_(std::move(messages)), topic_(std::move(topic)) {}
+  BagLog(std::unique_ptr<MessageSource> messages, BagTopics topics, const LogSelection& selection)
+      : messages_(std::move(messages)),
+        topics_(std::move(topics)),
+        height_(selection.height),
+        odometry_(!selection.odometry.empty()) {
+    notes_ = std::move(topics_.notes);
+  }
 
   std::optional<LogScan> next(LogFaults& faults) override {
     while (true) {
@@ -62,7 +88,7 @@ class BagLog final : public LogSource {
       } else if (const auto message = messages_->next(faults)) {
         take(*message, faults);
       } else {
-        is_at_end_ = true;
+        end();
       }
     }
   }
@@ -74,136 +100,188 @@ class BagLog final : public LogSource {
     now_ = message.received;
     switch (message.kind) {
       case MessageKind::kLaserScan:
-        return take_scan(message, faults);
+      case MessageKind::kMultiEchoScan:
+        if (message.topic == topics_.scans) take_scan(message, faults);
+        return;
+      case MessageKind::kPointCloud:
+        if (message.topic == topics_.scans) take_cloud(message, faults);
+        return;
       case MessageKind::kOdometry:
-        return take_odometry(message, faults);
+        if (is_in_use(message.topic, topics_.odometry)) take_odometry(message, faults);
+        return;
       case MessageKind::kTransforms:
         return take_transforms(message, faults);
     }
   }
 
+  /// The first topic that comes is taken where there was none to choose from.
+  static bool is_in_use(const std::string& topic, std::optional<std::string>& chosen) {
+    if (!chosen) chosen = topic;
+    return topic == *chosen;
+  }
+
   void take_scan(const RecordedMessage& message, LogFaults& faults) {
-    if (topic_.empty()) topic_ = message.topic;
-    if (message.topic != topic_) {
-      if (!std::exchange(is_other_noted_, true)) {
-        notes_.push_back("scans of " + topic_ + " only, not of " + message.topic);
-      }
-      return;
-    }
-    Result<LaserScanMessage> scan = parse_laser_scan(message.bytes, message.format);
-    if (!scan) return faults.add(message.where, scan.error().message);
-    if (scan->scan.stamp == 0.0) scan->scan.stamp = message.received;
-    waiting_.push_back({std::move(*scan), message.received, message.where});
+    Result<LaserScanMessage> scan = message.kind == MessageKind::kLaserScan
+                                        ? parse_laser_scan(message.bytes, message.format)
+                                        : parse_multi_echo_scan(message.bytes, message.format);
+    if (!scan) return faults.add_scan(message.where, scan.error().message);
+    wait(message, std::move(*scan), false);
+  }
+
+  void take_cloud(const RecordedMessage& message, LogFaults& faults) {
+    const Result<PointCloudMessage> cloud = parse_point_cloud(message.bytes, message.format);
+    if (!cloud) return faults.add_scan(message.where, cloud.error().message);
+    if (!std::exchange(is_slice_noted_, true)) note_slice();
+    const auto above = frames_.ancestors(cloud->frame, cloud->stamp);
+    const auto highest = std::find_if(
+        above.rbegin(), above.rend(),
+        [](const FrameTree::Ancestor& ancestor) { return ancestor.T_ancestor_frame.has_value(); });
+    const Eigen::Matrix3d rotation = highest->T_ancestor_frame->T.rotation();
+    wait(message, {cloud->frame, slice(*cloud, rotation, height_), 0.0}, true);
+  }
+
+  void wait(const RecordedMessage& message, LaserScanMessage scan, bool is_level) {
+    if (scan.scan.stamp == 0.0) scan.scan.stamp = message.received;
+    scan_stamps_.add(scan.scan.stamp);
+    waiting_.push_back({std::move(scan), message.received, message.where, is_level});
   }
 
   void take_odometry(const RecordedMessage& message, LogFaults& faults) {
-    Result<StampedTransform> odometry = parse_odometry(message.bytes, message.format);
+    const Result<StampedTransform> odometry = parse_odometry(message.bytes, message.format);
     if (!odometry) return faults.add(message.where, odometry.error().message);
-    if (odometry->child.empty()) odometry->child = "base_link";
-    if (odometry->parent.find("odom") == std::string::npos) odometry->parent = "odom";
-    base_frame_ = odometry->child;
-    frames_.add(*odometry, FrameTree::Origin::kOdometry);
+    odometry_.add(*odometry);
+    odometry_stamps_.add(odometry->stamp);
   }
 
   void take_transforms(const RecordedMessage& message, LogFaults& faults) {
+    const bool holds_always = is_static(message.topic);
+    if (!is_in_use(message.topic, holds_always ? topics_.static_transforms : topics_.transforms)) {
+      return;
+    }
     const auto transforms = parse_transforms(message.bytes, message.format);
     if (!transforms) return faults.add(message.where, transforms.error().message);
-    const auto origin =
-        message.topic.ends_with("tf_static") ? FrameTree::Origin::kStatic : FrameTree::Origin::kTf;
-    for (const StampedTransform& transform : *transforms) frames_.add(transform, origin);
+    for (const StampedTransform& transform : *transforms) {
+      frames_.add(transform, holds_always ? FrameTree::Origin::kStatic : FrameTree::Origin::kTf);
+      if (!holds_always) transform_stamps_.add(transform.stamp);
+    }
   }
 
   /// Whether what is to come can no longer tell more of the scan's place, or may not be waited for.
   [[nodiscard]] bool is_ready(const WaitingScan& scan) const {
     if (is_at_end_ || waiting_.size() > kMaxWaiting) return true;
     if (now_ - scan.received > kMaxWaitSeconds) return true;
-    const auto in_map = find("map", scan);
-    const auto in_odom = find("odom", scan);
-    return in_map && in_map->is_final && in_odom && in_odom->is_final;
+    const auto in_map = find_in_map(scan);
+    const auto in_odom = find_in_odom(scan);
+    return in_map && in_map->is_final && in_odom && in_odom->T_odom_frame.is_final;
   }
 
-  [[nodiscard]] std::optional<FrameTree::Found> find(std::string_view ancestor,
-                                                     const WaitingScan& scan) const {
-    return frames_.find(ancestor, scan.message.frame, scan.message.scan.stamp);
+  [[nodiscard]] std::optional<FoundTransform> find_in_map(const WaitingScan& scan) const {
+    return frames_.find("map", scan.message.frame, scan.message.scan.stamp);
   }
 
-  /// Odometry tells of the robot's base; without a transform from there to the laser, the laser is
-  /// taken to be there.
-  std::optional<FrameTree::Found> find_base_in_odom(const WaitingScan& scan) {
-    if (base_frame_.empty() || frames_.knows(scan.message.frame)) return std::nullopt;
-    auto found = frames_.find("odom", base_frame_, scan.message.scan.stamp);
-    if (found && !std::exchange(is_mount_noted_, true)) {
-      notes_.push_back("no transform from " + base_frame_ + " to " + scan.message.frame +
-                       ": the laser is taken to be at " + base_frame_);
-    }
-    return found;
+  [[nodiscard]] std::optional<RobotOdometry::Found> find_in_odom(const WaitingScan& scan) const {
+    return odometry_.find(frames_, scan.message.frame, scan.message.scan.stamp);
   }
 
   std::optional<LogScan> finish(const WaitingScan& waiting, LogFaults& faults) {
     LogScan out;
     out.scan = waiting.message.scan;
-    const auto in_map = find("map", waiting);
-    auto in_odom = find("odom", waiting);
-    if (!in_odom) in_odom = find_base_in_odom(waiting);
-    if (in_map) out.T_map_laser = on_the_floor(in_map->T_ancestor_frame);
-    if (in_odom) out.T_odom_laser = on_the_floor(in_odom->T_ancestor_frame);
-    const auto& in_level = in_odom ? in_odom : in_map;
-    const double upright = in_level ? uprightness(in_level->T_ancestor_frame) : 1.0;
-    if (std::abs(upright) < kLeastUpright) {
-      faults.add(waiting.where, "the laser does not look along the floor: it is tilted by " +
-                                    std::to_string(std::acos(upright)) + " rad");
+    out.time_increment = waiting.message.time_increment;
+    const auto in_map = find_in_map(waiting);
+    const auto in_odom = find_in_odom(waiting);
+    if (in_map) out.T_map_laser = on_the_floor(in_map->T);
+    if (in_odom) out.T_odom_laser = on_the_floor(in_odom->T_odom_frame.T);
+    if (in_odom && !in_odom->note.empty()) note_assumption(in_odom->note);
+    count_odometry(in_odom.has_value(), waiting.message.frame);
+    double upright = 1.0;
+    if (in_map) upright = uprightness(in_map->T);
+    if (in_odom) upright = uprightness(in_odom->T_odom_frame.T);
+    if (!waiting.is_level && std::abs(upright) < kLeastUpright) {
+      faults.add_scan(waiting.where, "the laser does not look along the floor: it is tilted by " +
+                                         std::to_string(std::acos(upright)) + " rad");
       return std::nullopt;
     }
-    if (upright < 0.0) out.scan = turned_over(std::move(out.scan));
-    return check(std::move(out), waiting.where, faults);
+    if (!waiting.is_level && upright < 0.0) {
+      out.scan = turned_over(std::move(out.scan));
+      out.time_increment = -out.time_increment;
+    }
+    if (header_.beams == 0) set_lidar(header_, out.scan);
+    return out;
   }
 
-  /// The first scan makes the header, which all others must fit.
-  std::optional<LogScan> check(LogScan scan, const std::string& where, LogFaults& faults) {
-    const std::size_t beams = scan.scan.ranges.size();
-    if (header_.beams == 0) {
-      header_.beams = beams;
-      header_.lidar = scan.scan;
-      header_.lidar.ranges.clear();
-      header_.lidar.stamp = 0.0;
+  void end() {
+    is_at_end_ = true;
+    if (scan_stamps_.is_empty()) notes_.push_back("its topics are " + list(messages_->topics()));
+  }
+
+  void note_assumption(const std::string& note) {
+    if (!std::exchange(is_assumption_noted_, true)) notes_.push_back(note);
+  }
+
+  void note_slice() {
+    char band[64];
+    std::snprintf(band, sizeof band, "%.2f to %.2f m", height_.min_m, height_.max_m);
+    notes_.push_back("scans are cut from the point cloud " + topics_.scans + ", " + band +
+                     " above the sensor; --height chooses");
+  }
+
+  /// Says why no scan has odometry once that is clear.
+  void count_odometry(bool has_odometry, const std::string& frame) {
+    has_odometry_ = has_odometry_ || has_odometry;
+    ++finished_;
+    const bool is_clear = finished_ == kScansWithoutOdometry || (is_at_end_ && waiting_.empty());
+    if (has_odometry_ || !is_clear || std::exchange(is_lack_noted_, true)) return;
+    notes_.push_back("no odometry for " + std::to_string(finished_) + " scans in the frame " +
+                     frame + ", stamped " + scan_stamps_.text() + "; " + known_odometry(frame));
+  }
+
+  [[nodiscard]] std::string known_odometry(const std::string& frame) const {
+    std::string text;
+    if (!odometry_stamps_.is_empty()) {
+      text += "messages of " + *topics_.odometry + " from " + odometry_.parent() + " to " +
+              odometry_.child() + " are stamped " + odometry_stamps_.text() + "; ";
     }
-    if (beams == header_.beams && has_geometry_of(scan.scan, header_.lidar)) return scan;
-    faults.add(where, "LaserScan: other beams, angles or ranges than in the first scan");
-    return std::nullopt;
+    text += "frames above " + frame + ":";
+    const auto above = frames_.ancestors(frame, 0.0);
+    for (std::size_t i = 1; i < above.size(); ++i) text += " " + above[i].name;
+    if (above.size() == 1) text += " none";
+    if (transform_stamps_.is_empty()) return text + "; no transforms but static ones";
+    return text + "; transforms are stamped " + transform_stamps_.text();
   }
 
   std::unique_ptr<MessageSource> messages_;
-  std::string topic_;  ///< Of the scans; empty until the first when any will do.
+  BagTopics topics_;
+  HeightBand height_;
   FrameTree frames_;
-  std::string base_frame_;  ///< Of the odometry.
+  RobotOdometry odometry_;
   std::deque<WaitingScan> waiting_;
   double now_ = 0.0;  ///< Of the recording [s].
   bool is_at_end_ = false;
-  bool is_other_noted_ = false;
-  bool is_mount_noted_ = false;
-};
 
-Result<std::unique_ptr<LogSource>> open_bag(Result<std::unique_ptr<MessageSource>> messages,
-                                            const std::string& topic) {
-  if (!messages) return messages.error();
-  return std::unique_ptr<LogSource>(std::make_unique<BagLog>(std::move(*messages), topic));
-}
+  StampRange scan_stamps_;
+  StampRange odometry_stamps_;
+  StampRange transform_stamps_;
+  std::size_t finished_ = 0;
+  bool has_odometry_ = false;  ///< Any scan so far.
+  bool is_lack_noted_ = false;
+  bool is_assumption_noted_ = false;
+  bool is_slice_noted_ = false;
+};
 
 }  // namespace
 
-Result<std::unique_ptr<LogSource>> open_ros1_bag(const std::filesystem::path& path,
-                                                 const std::string& lidar) {
-  return open_bag(open_ros1_messages(path), lidar);
-}
-
-Result<std::unique_ptr<LogSource>> open_mcap(const std::filesystem::path& path,
-                                             const std::string& lidar) {
-  return open_bag(open_mcap_messages(path), lidar);
-}
-
-Result<std::unique_ptr<LogSource>> open_sqlite_bag(const std::filesystem::path& path,
-                                                   const std::string& lidar) {
-  return open_bag(open_sqlite_messages(path), lidar);
+Result<std::unique_ptr<LogSource>> open_bag(const std::filesystem::path& path,
+                                            const LogSelection& selection) {
+  Result<BagFiles> files = find_bag_files(path);
+  if (!files) return files.error();
+  const Result<std::unique_ptr<MessageSource>> looked_at = open_bag_messages(*files);
+  if (!looked_at) return looked_at.error();
+  BagTopics topics = choose_topics(survey_bag(**looked_at), selection);
+  Result<std::unique_ptr<MessageSource>> messages = open_bag_messages(*files);
+  if (!messages) return messages.error();
+  topics.notes.insert(topics.notes.begin(), files->notes.begin(), files->notes.end());
+  return std::unique_ptr<LogSource>(
+      std::make_unique<BagLog>(std::move(*messages), std::move(topics), selection));
 }
 
 }  // namespace cornerfix::cli

@@ -5,7 +5,10 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace cornerfix::cli {
@@ -33,6 +36,12 @@ class Output {
       return damaged("the chunk unpacks to " + std::string(used_ == limit_ ? "more" : "fewer") +
                      " bytes than the " + std::to_string(limit_ - 1) + " told");
     }
+    return std::move(*this).take_all();
+  }
+
+  /// Of any size up to the limit.
+  Result<std::vector<std::byte>> take_all() && {
+    if (used_ == limit_) return damaged("unpacks to more than " + std::to_string(limit_ - 1));
     bytes_.resize(used_);
     return std::move(bytes_);
   }
@@ -42,6 +51,8 @@ class Output {
   std::size_t used_ = 0;
   std::vector<std::byte> bytes_;
 };
+
+using ZstdStream = std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)>;
 
 // The C interfaces take characters.
 char* as_chars(std::byte* bytes) { return reinterpret_cast<char*>(bytes); }  // NOLINT
@@ -91,11 +102,10 @@ Result<std::vector<std::byte>> unpack_lz4(std::span<const std::byte> packed, std
   return std::move(output).take();
 }
 
-Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, std::size_t size) {
-  const std::unique_ptr<ZSTD_DStream, std::size_t (*)(ZSTD_DStream*)> stream(ZSTD_createDStream(),
-                                                                             ZSTD_freeDStream);
+/// One frame, as far as there is room.
+std::optional<Error> unpack_zstd(std::span<const std::byte> packed, Output& output) {
+  const ZstdStream stream(ZSTD_createDStream(), ZSTD_freeDStream);
   if (stream == nullptr) return damaged("zstd cannot start");
-  Output output(size);
   ZSTD_inBuffer in{packed.data(), packed.size(), 0};
   std::size_t wanted = 1;
   while (wanted != 0) {
@@ -105,12 +115,51 @@ Result<std::vector<std::byte>> unpack_zstd(std::span<const std::byte> packed, st
     wanted = ZSTD_decompressStream(stream.get(), &out, &in);
     if (ZSTD_isError(wanted) != 0U) return damaged("the zstd chunk is damaged");
     output.use(out.pos);
-    if (out.pos == 0 && in.pos == in_before) break;
+    if (out.pos > 0 || in.pos > in_before) continue;
+    if (room.empty()) break;  // At the limit, which the caller notices.
+    return damaged("the zstd data are cut off");
   }
-  return std::move(output).take();
+  return std::nullopt;
 }
 
 }  // namespace
+
+bool is_zstd(std::span<const std::byte> bytes) {
+  constexpr std::array kMagic = {std::byte{0x28}, std::byte{0xb5}, std::byte{0x2f},
+                                 std::byte{0xfd}};
+  return bytes.size() >= kMagic.size() && std::ranges::equal(bytes.first(kMagic.size()), kMagic);
+}
+
+Result<std::vector<std::byte>> decompress_message(std::span<const std::byte> packed) {
+  Output output(kMaxChunkBytes);
+  if (auto error = unpack_zstd(packed, output)) return *error;
+  return std::move(output).take_all();
+}
+
+Result<void> decompress_file(const std::filesystem::path& packed,
+                             const std::filesystem::path& unpacked) {
+  std::ifstream from(packed, std::ios::binary);
+  std::ofstream to(unpacked, std::ios::binary | std::ios::trunc);
+  const ZstdStream stream(ZSTD_createDStream(), ZSTD_freeDStream);
+  if (!from || !to || stream == nullptr) return damaged("cannot be unpacked");
+  std::vector<std::byte> in(ZSTD_DStreamInSize());
+  std::vector<std::byte> out(ZSTD_DStreamOutSize());
+  std::size_t wanted = 0;
+  while (from.read(as_chars(in.data()), static_cast<std::streamsize>(in.size())),
+         from.gcount() > 0) {
+    ZSTD_inBuffer input{in.data(), static_cast<std::size_t>(from.gcount()), 0};
+    while (input.pos < input.size) {
+      ZSTD_outBuffer output{out.data(), out.size(), 0};
+      wanted = ZSTD_decompressStream(stream.get(), &output, &input);
+      if (ZSTD_isError(wanted) != 0U) return damaged("the zstd file is damaged");
+      to.write(as_chars(out.data()), static_cast<std::streamsize>(output.pos));
+    }
+  }
+  to.close();
+  if (!to) return Error{ErrorCode::kStorageFull, "cannot be unpacked to " + unpacked.string(), ""};
+  if (wanted != 0) return damaged("the zstd file is cut off");
+  return {};
+}
 
 Result<std::vector<std::byte>> decompress(std::string_view compression,
                                           std::span<const std::byte> packed, std::size_t size) {
@@ -122,7 +171,11 @@ Result<std::vector<std::byte>> decompress(std::string_view compression,
   }
   if (compression == "bz2") return unpack_bz2(packed, size);
   if (compression == "lz4") return unpack_lz4(packed, size);
-  if (compression == "zstd") return unpack_zstd(packed, size);
+  if (compression == "zstd") {
+    Output output(size);
+    if (auto error = unpack_zstd(packed, output)) return *error;
+    return std::move(output).take();
+  }
   if (compression.empty() || compression == "none") {
     if (packed.size() != size) return damaged("the chunk has not the size told");
     return std::vector<std::byte>(packed.begin(), packed.end());

@@ -1,7 +1,9 @@
-/// \file  Unpacks the chunks of bags. The one place that knows libbz2, liblz4 and libzstd.
+/// \file  Unpacks bags, their chunks and messages. The one place that knows libbz2, liblz4 and
+/// libzstd.
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -19,5 +21,16 @@ inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 20U;
 [[nodiscard]] Result<std::vector<std::byte>> decompress(std::string_view compression,
                                                         std::span<const std::byte> packed,
                                                         std::size_t size);
+
+/// Whether the bytes begin as a frame of zstd. A message in CDR never does.
+[[nodiscard]] bool is_zstd(std::span<const std::byte> bytes);
+
+/// A message that was packed as a whole, as rosbag2's compression_mode message does it. An error
+/// above kMaxChunkBytes.
+[[nodiscard]] Result<std::vector<std::byte>> decompress_message(std::span<const std::byte> packed);
+
+/// Unpacks a file of zstd frames into another one.
+[[nodiscard]] Result<void> decompress_file(const std::filesystem::path& packed,
+                                           const std::filesystem::path& unpacked);
 
 }  // namespace cornerfix::cli

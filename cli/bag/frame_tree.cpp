@@ -1,91 +1,71 @@
 #include "cli/bag/frame_tree.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace cornerfix::cli {
 
 namespace {
 
 constexpr std::size_t kMaxFrames = 10000;
-constexpr std::size_t kMaxDepth = 100;      // a cycle is longer
-constexpr std::size_t kMaxSamples = 20000;  // of a transform
-constexpr double kKeptSeconds = 20.0;
-constexpr double kMaxGapSeconds = 1.0;
-constexpr double kHeldSeconds = 0.1;
-
-bool is_called(std::string_view frame, std::string_view name) {
-  return frame.substr(frame.rfind('/') + 1).starts_with(name);
-}
-
-Eigen::Isometry3d interpolate(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
-                              double share) {
-  Eigen::Isometry3d between = Eigen::Isometry3d::Identity();
-  between.translation() = a.translation() + share * (b.translation() - a.translation());
-  const Eigen::Quaterniond from(a.linear());
-  const Eigen::Quaterniond to(b.linear());
-  between.linear() = from.slerp(share, to).toRotationMatrix();
-  return between;
-}
+constexpr std::size_t kMaxDepth = 100;  // a cycle is longer
 
 }  // namespace
 
+bool is_frame_called(std::string_view frame, std::string_view name) {
+  return frame.substr(frame.rfind('/') + 1).starts_with(name);
+}
+
 void FrameTree::add(const StampedTransform& transform, Origin origin) {
   if (transform.child.empty() || transform.child == transform.parent) return;
-  const auto known = edges_.find(transform.child);
-  if (known == edges_.end() && edges_.size() >= kMaxFrames) return;
-  if (known != edges_.end() && origin == Origin::kOdometry && known->second.origin != origin) {
-    return;
-  }
+  if (edges_.size() >= kMaxFrames && !edges_.contains(transform.child)) return;
   Edge& edge = edges_[transform.child];
-  if (edge.parent != transform.parent || edge.origin != origin || origin == Origin::kStatic) {
-    edge = {transform.parent, origin, {}};
+  if (edge.parent != transform.parent || edge.origin != origin) {
+    edge = {transform.parent, origin, Eigen::Isometry3d::Identity(), {}};
   }
-  if (!edge.samples.empty()) {
-    const double last = edge.samples.back().stamp;
-    if (transform.stamp < last - kKeptSeconds) edge.samples.clear();
-    if (transform.stamp <= last && !edge.samples.empty()) return;
-  }
-  edge.samples.push_back({transform.stamp, transform.T_parent_child});
-  while (edge.samples.front().stamp < transform.stamp - kKeptSeconds ||
-         edge.samples.size() > kMaxSamples) {
-    edge.samples.pop_front();
+  if (origin == Origin::kStatic) {
+    edge.T_parent_child = transform.T_parent_child;
+  } else {
+    edge.track.add(transform.stamp, transform.T_parent_child);
   }
 }
 
-std::optional<FrameTree::Found> FrameTree::at(const Edge& edge, double stamp) {
-  if (edge.samples.empty()) return std::nullopt;
-  if (edge.origin == Origin::kStatic) return Found{edge.samples.back().T_parent_child, true};
-  const auto after =
-      std::lower_bound(edge.samples.begin(), edge.samples.end(), stamp,
-                       [](const Sample& sample, double time) { return sample.stamp < time; });
-  if (after == edge.samples.end()) {
-    const Sample& last = edge.samples.back();
-    if (stamp - last.stamp > kHeldSeconds) return std::nullopt;
-    return Found{last.T_parent_child, false};
+std::vector<FrameTree::Ancestor> FrameTree::ancestors(const std::string& frame,
+                                                      double stamp) const {
+  std::vector<Ancestor> chain{{frame, FoundTransform{}, false}};
+  while (chain.size() < kMaxDepth) {
+    const auto found = edges_.find(chain.back().name);
+    if (found == edges_.end()) break;
+    const Edge& edge = found->second;
+    const auto step = edge.origin == Origin::kStatic ? FoundTransform{edge.T_parent_child, true}
+                                                     : edge.track.at(stamp);
+    Ancestor above{edge.parent, std::nullopt, edge.track.has_moved()};
+    if (const auto& below = chain.back().T_ancestor_frame; below && step) {
+      above.T_ancestor_frame = {step->T * below->T, step->is_final && below->is_final};
+    }
+    chain.push_back(std::move(above));
   }
-  if (after->stamp == stamp) return Found{after->T_parent_child, true};
-  if (after == edge.samples.begin()) return std::nullopt;
-  const Sample& before = *std::prev(after);
-  const double gap = after->stamp - before.stamp;
-  if (gap > kMaxGapSeconds) return std::nullopt;
-  const double share = (stamp - before.stamp) / gap;
-  return Found{interpolate(before.T_parent_child, after->T_parent_child, share), true};
+  return chain;
 }
 
-std::optional<FrameTree::Found> FrameTree::find(std::string_view ancestor, const std::string& frame,
-                                                double stamp) const {
-  Found found{Eigen::Isometry3d::Identity(), true};
-  std::string_view here = frame;
-  for (std::size_t depth = 0; depth < kMaxDepth; ++depth) {
-    if (is_called(here, ancestor)) return found;
-    const auto edge = edges_.find(std::string(here));
-    if (edge == edges_.end()) return std::nullopt;
-    const auto step = at(edge->second, stamp);
-    if (!step) return std::nullopt;
-    found.T_ancestor_frame = step->T_ancestor_frame * found.T_ancestor_frame;
-    found.is_final = found.is_final && step->is_final;
-    here = edge->second.parent;
+std::optional<FoundTransform> FrameTree::find(std::string_view ancestor, const std::string& frame,
+                                              double stamp) const {
+  for (const Ancestor& above : ancestors(frame, stamp)) {
+    if (is_frame_called(above.name, ancestor)) return above.T_ancestor_frame;
+  }
+  return std::nullopt;
+}
+
+std::optional<FoundTransform> FrameTree::between(const std::string& target,
+                                                 const std::string& source, double stamp) const {
+  const std::vector<Ancestor> above_target = ancestors(target, stamp);
+  for (const Ancestor& above_source : ancestors(source, stamp)) {
+    const auto common = std::ranges::find(above_target, above_source.name, &Ancestor::name);
+    if (common == above_target.end()) continue;
+    const auto& T_common_target = common->T_ancestor_frame;
+    const auto& T_common_source = above_source.T_ancestor_frame;
+    if (!T_common_target || !T_common_source) return std::nullopt;
+    return FoundTransform{T_common_target->T.inverse() * T_common_source->T,
+                          T_common_target->is_final && T_common_source->is_final};
   }
   return std::nullopt;
 }

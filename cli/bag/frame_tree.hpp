@@ -2,57 +2,59 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include "cli/bag/ros_messages.hpp"
+#include "cli/bag/transform_track.hpp"
 
 namespace cornerfix::cli {
+
+/// Whether a frame's name begins with `name` after its last '/': "odom" finds
+/// "robot1/odom_combined".
+[[nodiscard]] bool is_frame_called(std::string_view frame, std::string_view name);
 
 /// Keeps the last seconds of each transform. Not synchronised.
 class FrameTree {
  public:
   enum class Origin {
-    kStatic,    ///< Holds at all times.
-    kTf,        ///< Holds at its stamp.
-    kOdometry,  ///< As kTf, but gives way to tf where that knows the same child.
+    kStatic,  ///< Holds at all times.
+    kTf,      ///< Holds at its stamp: see TransformTrack.
   };
 
-  /// What stamps from the same child must be younger than; an older one is passed over, unless the
-  /// clock was set back.
   void add(const StampedTransform& transform, Origin origin);
 
-  struct Found {
-    Eigen::Isometry3d T_ancestor_frame;
-    bool is_final;  ///< No transform that is still to come can change it.
+  /// A frame, or one above it.
+  struct Ancestor {
+    std::string name;
+    std::optional<FoundTransform> T_ancestor_frame;  ///< Nothing when it is not known at the stamp.
+    bool has_moved = false;  ///< The frame below it in this one, since the bag began.
   };
 
-  /// The transform at `stamp` to the nearest ancestor whose name, without what precedes the last
-  /// '/', begins with `ancestor` ("map"; "odom" finds "odom_combined"). Interpolated between stamps
-  /// at most a second apart; beyond the last one it holds for a tenth of a second. Nothing when
-  /// there is no such ancestor or no such stamp.
-  [[nodiscard]] std::optional<Found> find(std::string_view ancestor, const std::string& frame,
-                                          double stamp) const;
+  /// The frame itself, then one after the other up to the root.
+  [[nodiscard]] std::vector<Ancestor> ancestors(const std::string& frame, double stamp) const;
 
-  [[nodiscard]] bool knows(const std::string& frame) const { return edges_.contains(frame); }
+  /// T_ancestor_frame of the nearest ancestor that is called so. Nothing when there is none, or not
+  /// at that stamp.
+  [[nodiscard]] std::optional<FoundTransform> find(std::string_view ancestor,
+                                                   const std::string& frame, double stamp) const;
+
+  /// T_target_source by way of the first frame above both, or nothing.
+  [[nodiscard]] std::optional<FoundTransform> between(const std::string& target,
+                                                      const std::string& source,
+                                                      double stamp) const;
 
  private:
-  struct Sample {
-    double stamp;
-    Eigen::Isometry3d T_parent_child;
-  };
-
   /// From a child to its parent.
   struct Edge {
     std::string parent;
     Origin origin = Origin::kTf;
-    std::deque<Sample> samples;  ///< By stamp; one when static.
+    Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();  ///< When static.
+    TransformTrack track;                                              ///< Else.
   };
-
-  [[nodiscard]] static std::optional<Found> at(const Edge& edge, double stamp);
 
   std::unordered_map<std::string, Edge> edges_;  ///< By child.
 };

@@ -47,6 +47,8 @@ class Mcap final : public MessageSource {
 
   [[nodiscard]] double progress() const override { return file_.progress(); }
 
+  [[nodiscard]] std::vector<BagTopic> topics() const override { return channels_.topics(); }
+
  private:
   /// A record of the file: an opcode, a length, as many bytes.
   std::optional<RecordedMessage> next_record(LogFaults& faults) {
@@ -126,7 +128,7 @@ class Mcap final : public MessageSource {
   void add_schema(WireReader& reader) {
     const auto id = reader.number<std::uint16_t>();
     const std::string_view name = reader.text();
-    if (reader.ok() && message_kind(name)) types_[id] = name;
+    if (reader.ok()) types_[id] = name;
   }
 
   void add_channel(WireReader& reader) {
@@ -136,20 +138,26 @@ class Mcap final : public MessageSource {
     const std::string_view encoding = reader.text();
     const auto type = types_.find(schema);
     if (!reader.ok() || type == types_.end()) return;
-    if (encoding == "cdr") channels_.add(id, topic, type->second, WireFormat::kCdr);
-    if (encoding == "ros1") channels_.add(id, topic, type->second, WireFormat::kRos1);
+    std::optional<WireFormat> format;
+    if (encoding == "cdr") format = WireFormat::kCdr;
+    if (encoding == "ros1") format = WireFormat::kRos1;
+    channels_.add(id, topic, type->second, format);
   }
 
   std::optional<RecordedMessage> message_of(WireReader& reader, const std::string& where) {
-    const Channel* channel = channels_.find(reader.number<std::uint16_t>());
+    const Channel* channel = channels_.pass(reader.number<std::uint16_t>());
     reader.number<std::uint32_t>();
     const auto received_ns = reader.number<std::uint64_t>();
     reader.number<std::uint64_t>();
     if (channel == nullptr) return std::nullopt;
     const Bytes data = reader.bytes(reader.rest());
-    return RecordedMessage{
-        channel->topic, channel->kind, channel->format, 1e-9 * static_cast<double>(received_ns),
-        data,           where};
+    return RecordedMessage{channel->topic.name,
+                           channel->topic.type,
+                           *channel->kind,
+                           channel->format,
+                           1e-9 * static_cast<double>(received_ns),
+                           data,
+                           where};
   }
 
   BinaryFile file_;

@@ -8,9 +8,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <cornerfix/result.hpp>
 
+#include "cli/bag/channel_table.hpp"
 #include "cli/bag/ros_messages.hpp"
 #include "cli/log_fault.hpp"
 
@@ -18,6 +20,7 @@ namespace cornerfix::cli {
 
 struct RecordedMessage {
   std::string topic;
+  std::string type;
   MessageKind kind = MessageKind::kLaserScan;
   WireFormat format = WireFormat::kRos1;
   double received = 0.0;             ///< When it was recorded [s].
@@ -34,6 +37,8 @@ class MessageSource {
   [[nodiscard]] virtual std::optional<RecordedMessage> next(LogFaults& faults) = 0;
   /// Share of the bag read so far, in [0, 1].
   [[nodiscard]] virtual double progress() const = 0;
+  /// All topics seen so far, also those of no use here.
+  [[nodiscard]] virtual std::vector<BagTopic> topics() const = 0;
 };
 
 }  // namespace cornerfix::cli

@@ -18,7 +18,7 @@ constexpr std::size_t kBagMagicBytes = sizeof "#ROSBAG V2.0\n" - 1;
 constexpr std::uint32_t kMaxHeaderBytes = 1U << 20U;
 
 struct BagOp {
-  enum : std::uint8_t { kMessage = 0x02, kChunk = 0x05, kConnection = 0x07 };
+  enum : std::uint8_t { kMessage = 0x02, kIndex = 0x04, kChunk = 0x05, kConnection = 0x07 };
 };
 
 /// The fields name=value of a record's header; views of its bytes.
@@ -78,6 +78,8 @@ class Ros1Bag final : public MessageSource {
 
   [[nodiscard]] double progress() const override { return file_.progress(); }
 
+  [[nodiscard]] std::vector<BagTopic> topics() const override { return channels_.topics(); }
+
  private:
   /// A record of the file: a chunk is opened, others hold nothing of use outside of chunks. Returns
   /// why nothing can be read from here on.
@@ -94,13 +96,22 @@ class Ros1Bag final : public MessageSource {
     const auto size = WireReader(length).number<std::uint32_t>();
     if (*op != BagOp::kChunk || size > kMaxChunkBytes) {
       if (*op == BagOp::kChunk) faults.add(where, "a chunk of " + std::to_string(size) + " bytes");
-      if (!file_.skip(size)) return ends_here("a record that is cut off");
+      const std::uint64_t skipped = *op == BagOp::kIndex ? index_bytes(*fields, size) : size;
+      if (!file_.skip(skipped)) return ends_here("a record that is cut off");
       return std::nullopt;
     }
     std::vector<std::byte> packed;
     if (!file_.read(size, packed)) return ends_here("a chunk that is cut off");
     open_chunk(*fields, std::move(packed), where, faults);
     return std::nullopt;
+  }
+
+  /// How many bytes of index follow. Bags written in 2010 claim 20 bytes per entry and hold 12;
+  /// rosbag counts entries as well, and does not look at the length.
+  static std::uint64_t index_bytes(const Fields& fields, std::uint32_t size) {
+    constexpr std::uint64_t kEntryBytes = sizeof(std::uint64_t) + sizeof(std::uint32_t);
+    const auto entries = fields.number<std::uint32_t>("count");
+    return entries ? *entries * kEntryBytes : size;
   }
 
   /// A length and as many bytes.
@@ -147,11 +158,12 @@ class Ros1Bag final : public MessageSource {
   }
 
   std::optional<RecordedMessage> message_of(std::uint32_t id, const Fields& fields, Bytes data) {
-    const Channel* channel = channels_.find(id);
+    const Channel* channel = channels_.pass(id);
     if (channel == nullptr) return std::nullopt;
     const double received = seconds_of(fields.number<std::uint64_t>("time").value_or(0));
-    return RecordedMessage{channel->topic, channel->kind, channel->format,
-                           received,       data,          chunk_place_};
+    return RecordedMessage{
+        channel->topic.name, channel->topic.type, *channel->kind, channel->format, received, data,
+        chunk_place_};
   }
 
   BinaryFile file_;

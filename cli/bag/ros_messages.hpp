@@ -16,7 +16,7 @@
 
 namespace cornerfix::cli {
 
-enum class MessageKind { kLaserScan, kOdometry, kTransforms };
+enum class MessageKind { kLaserScan, kMultiEchoScan, kPointCloud, kOdometry, kTransforms };
 
 /// "sensor_msgs/LaserScan", "sensor_msgs/msg/LaserScan"; nothing for a type of no use here.
 [[nodiscard]] std::optional<MessageKind> message_kind(std::string_view type);
@@ -25,6 +25,14 @@ enum class MessageKind { kLaserScan, kOdometry, kTransforms };
 struct LaserScanMessage {
   std::string frame;
   LaserScan scan;
+  double time_increment = 0.0;  ///< From beam to beam [s].
+};
+
+/// sensor_msgs/PointCloud2. Points that are not finite are left out.
+struct PointCloudMessage {
+  std::string frame;
+  double stamp = 0.0;
+  std::vector<Eigen::Vector3f> points;
 };
 
 /// geometry_msgs/TransformStamped: takes points of `child` into `parent` from `stamp` [s] on.
@@ -40,6 +48,12 @@ struct StampedTransform {
 /// errors.
 [[nodiscard]] Result<LaserScanMessage> parse_laser_scan(std::span<const std::byte> bytes,
                                                         WireFormat format);
+/// sensor_msgs/MultiEchoLaserScan: the first echo of each beam.
+[[nodiscard]] Result<LaserScanMessage> parse_multi_echo_scan(std::span<const std::byte> bytes,
+                                                             WireFormat format);
+/// Needs fields x, y and z of float32 or float64.
+[[nodiscard]] Result<PointCloudMessage> parse_point_cloud(std::span<const std::byte> bytes,
+                                                          WireFormat format);
 /// nav_msgs/Odometry, as the transform from its child frame.
 [[nodiscard]] Result<StampedTransform> parse_odometry(std::span<const std::byte> bytes,
                                                       WireFormat format);

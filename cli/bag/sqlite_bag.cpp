@@ -27,9 +27,10 @@ class SqliteBag final : public MessageSource {
     last_id_ = database_.execAndGet("SELECT ifnull(max(id), 0) FROM messages").getInt64();
     SQLite::Statement topics(database_, "SELECT id, name, type, serialization_format FROM topics");
     while (topics.executeStep()) {
-      if (topics.getColumn(3).getString() != "cdr") continue;
+      const bool is_cdr = topics.getColumn(3).getString() == "cdr";
       channels_.add(topics.getColumn(0).getUInt(), topics.getColumn(1).getString(),
-                    topics.getColumn(2).getString(), WireFormat::kCdr);
+                    topics.getColumn(2).getString(),
+                    is_cdr ? std::optional(WireFormat::kCdr) : std::nullopt);
     }
   }
 
@@ -37,7 +38,7 @@ class SqliteBag final : public MessageSource {
     try {
       while (!is_at_end_ && messages_.executeStep()) {
         id_ = messages_.getColumn(0).getInt64();
-        const Channel* channel = channels_.find(messages_.getColumn(1).getUInt());
+        const Channel* channel = channels_.pass(messages_.getColumn(1).getUInt());
         if (channel == nullptr) continue;
         if (auto message = message_in_row(*channel, faults)) return message;
       }
@@ -52,6 +53,8 @@ class SqliteBag final : public MessageSource {
     return last_id_ > 0 ? static_cast<double>(id_) / static_cast<double>(last_id_) : 1.0;
   }
 
+  [[nodiscard]] std::vector<BagTopic> topics() const override { return channels_.topics(); }
+
  private:
   /// SQLite does not tell where in the file a row lies.
   [[nodiscard]] std::string place() const { return "message " + std::to_string(id_); }
@@ -64,8 +67,9 @@ class SqliteBag final : public MessageSource {
     }
     const auto* const bytes = static_cast<const std::byte*>(data.getBlob());
     const double received = 1e-9 * static_cast<double>(messages_.getColumn(2).getInt64());
-    return RecordedMessage{channel.topic,
-                           channel.kind,
+    return RecordedMessage{channel.topic.name,
+                           channel.topic.type,
+                           *channel.kind,
                            channel.format,
                            received,
                            {bytes, static_cast<std::size_t>(data.getBytes())},

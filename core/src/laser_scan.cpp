@@ -18,8 +18,8 @@ std::optional<Error> validate(const LaserScan& scan) {
   if (!std::isfinite(scan.range_min) || scan.range_min < 0.0) {
     return broken("range_min", "must be a finite length in metres, not negative");
   }
-  if (!std::isfinite(scan.range_max) || scan.range_max <= scan.range_min) {
-    return broken("range_max", "must be a finite length in metres above range_min");
+  if (!(scan.range_max > scan.range_min)) {
+    return broken("range_max", "must be a length in metres above range_min, or infinite");
   }
   constexpr double kTurn = 2.0 * std::numbers::pi;
   // One beam's width of slack: some drivers repeat the first bearing as the last.

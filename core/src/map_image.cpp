@@ -1,5 +1,8 @@
 #include <cornerfix/map_image.hpp>
 
+#include "bmp_image.hpp"
+#include "image_rows.hpp"
+
 #include <png.h>
 #include <yaml-cpp/yaml.h>
 
@@ -81,20 +84,21 @@ Result<Mode> parse_mode(const YAML::Node& node) {
   return invalid("expected trinary, scale or raw", "mode");
 }
 
-/// map_server takes 0 and 1, later versions also true and false.
+/// 0 and 1 as map_server takes them, or a truth value of YAML (True, yes, off, ...) as nav2 does.
 Result<bool> parse_negate(const YAML::Node& node) {
   if (!node) return false;
   const std::string text = node.IsScalar() ? node.Scalar() : std::string();
-  if (text == "0" || text == "false") return false;
-  if (text == "1" || text == "true") return true;
-  return invalid("expected 0 or 1", "negate");
+  if (text == "0" || text == "1") return text == "1";
+  bool value = false;
+  if (YAML::convert<bool>::decode(node, value)) return value;
+  return invalid("expected 0 or 1, true or false", "negate");
 }
 
 Result<MapYaml> parse_map_yaml(const YAML::Node& root) {
   if (!root.IsMap()) return malformed("expected the keys of a map_server yaml", "yaml");
   MapYaml out;
   if (!root["image"] || !root["image"].IsScalar() || root["image"].Scalar().empty()) {
-    return invalid("missing, expected the name of a pgm or png file", "image");
+    return invalid("missing, expected the name of a pgm, png or bmp file", "image");
   }
   out.image = root["image"].Scalar();
 
@@ -151,32 +155,9 @@ Cell classify(const MapYaml& yaml, double brightness) {
   return Cell::kUnknown;
 }
 
-Result<OccupancyGrid> empty_grid(const MapYaml& yaml, std::int64_t width, std::int64_t height,
-                                 const MapImageLimits& limits) {
-  if (width < 1 || height < 1) return malformed("an image without pixels", "image");
-  constexpr std::int64_t kMaxSide = std::numeric_limits<int>::max();
-  if (width > kMaxSide || height > kMaxSide || width > limits.max_cells / height) {
-    return Error{ErrorCode::kTooLarge,
-                 std::to_string(width) + " x " + std::to_string(height) + " pixels, at most " +
-                     std::to_string(limits.max_cells) + " are taken",
-                 "image"};
-  }
-  OccupancyGrid grid;
-  grid.resolution = yaml.resolution;
-  grid.T_map_grid = yaml.origin;
-  grid.width = static_cast<int>(width);
-  grid.height = static_cast<int>(height);
-  return grid;
-}
-
-void allocate_cells(OccupancyGrid& grid) {
-  grid.cells.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
-                    Cell::kUnknown);
-}
-
-/// The cells of an image row; the first is the highest y.
-Cell* cells_of_image_row(OccupancyGrid& grid, std::int64_t image_row) {
-  return grid.cells.data() + grid.offset({0, grid.height - 1 - static_cast<int>(image_row)});
+Result<ImageRows> empty_rows(const MapYaml& yaml, std::int64_t width, std::int64_t height,
+                             const MapImageLimits& limits) {
+  return ImageRows::create(width, height, yaml.resolution, yaml.origin, limits);
 }
 
 // --- pgm ----------------------------------------------------------------------------------------
@@ -230,45 +211,46 @@ Error pgm_value_above_maximum() { return malformed("pgm: a value above its maxim
 
 /// P2: the values in decimal.
 Result<void> read_plain_pixels(PgmReader& reader, const std::vector<Cell>& classes,
-                               OccupancyGrid& grid) {
+                               ImageRows& rows) {
   // The shortest pixel is a digit and a blank.
   if ((reader.rest().size() + 1) / 2 <
-      static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height)) {
+      static_cast<std::size_t>(rows.width()) * static_cast<std::size_t>(rows.height())) {
     return malformed("pgm: the file ends before the last pixel", "image");
   }
-  allocate_cells(grid);
-  for (std::int64_t row = 0; row < grid.height; ++row) {
-    Cell* cells = cells_of_image_row(grid, row);
-    for (int column = 0; column < grid.width; ++column) {
+  rows.allocate();
+  for (int row = 0; row < rows.height(); ++row) {
+    for (Cell& cell : rows.row(row)) {
       const auto value = reader.next_number();
       if (!value) return malformed("pgm: the file ends before the last pixel", "image");
       if (static_cast<std::size_t>(*value) >= classes.size()) return pgm_value_above_maximum();
-      cells[column] = classes[static_cast<std::size_t>(*value)];
+      cell = classes[static_cast<std::size_t>(*value)];
     }
+    rows.finish_row(row);
   }
   return {};
 }
 
 /// P5: a byte a value, or two with the higher first.
 Result<void> read_binary_pixels(std::string_view pixels, const std::vector<Cell>& classes,
-                                OccupancyGrid& grid) {
+                                ImageRows& rows) {
   const std::size_t bytes_per_value = classes.size() > 256 ? 2 : 1;
-  const std::size_t expected = static_cast<std::size_t>(grid.width) *
-                               static_cast<std::size_t>(grid.height) * bytes_per_value;
+  const std::size_t expected = static_cast<std::size_t>(rows.width()) *
+                               static_cast<std::size_t>(rows.height()) * bytes_per_value;
   if (pixels.size() < expected) {
     return malformed("pgm: " + std::to_string(pixels.size()) + " bytes of pixels, expected " +
                          std::to_string(expected),
                      "image");
   }
-  allocate_cells(grid);
+  rows.allocate();
   const auto* byte = reinterpret_cast<const unsigned char*>(pixels.data());
-  for (std::int64_t row = 0; row < grid.height; ++row) {
-    Cell* cells = cells_of_image_row(grid, row);
-    for (int column = 0; column < grid.width; ++column, byte += bytes_per_value) {
+  for (int row = 0; row < rows.height(); ++row) {
+    for (Cell& cell : rows.row(row)) {
       const std::size_t value = bytes_per_value == 2 ? byte[0] * 256U + byte[1] : byte[0];
       if (value >= classes.size()) return pgm_value_above_maximum();
-      cells[column] = classes[value];
+      cell = classes[value];
+      byte += bytes_per_value;
     }
+    rows.finish_row(row);
   }
   return {};
 }
@@ -288,14 +270,31 @@ Result<OccupancyGrid> parse_pgm(const MapYaml& yaml, std::string_view image,
     return malformed("pgm: maximum value " + std::to_string(*max_value) + ", expected 1 to 65535",
                      "image");
   }
-  Result<OccupancyGrid> grid = empty_grid(yaml, *width, *height, limits);
-  if (!grid) return grid;
+  Result<ImageRows> rows = empty_rows(yaml, *width, *height, limits);
+  if (!rows) return rows.error();
   const std::vector<Cell> classes = classes_of_grey_values(yaml, *max_value);
   if (!plain) reader.skip(1);  // A single blank stands before the pixels.
-  const Result<void> read = plain ? read_plain_pixels(reader, classes, *grid)
-                                  : read_binary_pixels(reader.rest(), classes, *grid);
+  const Result<void> read = plain ? read_plain_pixels(reader, classes, *rows)
+                                  : read_binary_pixels(reader.rest(), classes, *rows);
   if (!read) return read.error();
-  return grid;
+  return std::move(*rows).take();
+}
+
+// --- bmp ----------------------------------------------------------------------------------------
+
+Result<OccupancyGrid> parse_bmp(const MapYaml& yaml, std::span<const std::byte> image,
+                                const MapImageLimits& limits) {
+  const Result<BmpImage> bmp = BmpImage::open(image);
+  if (!bmp) return bmp.error();
+  Result<ImageRows> rows = empty_rows(yaml, bmp->width(), bmp->height(), limits);
+  if (!rows) return rows.error();
+  rows->allocate();
+  for (int row = 0; row < rows->height(); ++row) {
+    std::int64_t column = 0;
+    for (Cell& cell : rows->row(row)) cell = classify(yaml, bmp->brightness(row, column++));
+    rows->finish_row(row);
+  }
+  return std::move(*rows).take();
 }
 
 // --- png ----------------------------------------------------------------------------------------
@@ -386,26 +385,30 @@ Result<OccupancyGrid> parse_png(const MapYaml& yaml, std::span<const std::byte> 
                                 const MapImageLimits& limits) {
   PngReader reader(image);
   if (!reader.read_header()) return reader.error();
-  Result<OccupancyGrid> grid = empty_grid(yaml, reader.width(), reader.height(), limits);
-  if (!grid) return grid;
-  allocate_cells(*grid);
+  Result<ImageRows> grid = empty_rows(yaml, reader.width(), reader.height(), limits);
+  if (!grid) return grid.error();
+  if (grid->is_thinned() && reader.passes() > 1) {
+    return Error{ErrorCode::kTooLarge, "too large for an interlaced png: save it without", "image"};
+  }
+  grid->allocate();
 
   // An interlaced image comes in passes over all of its rows, so all of them are kept.
-  const std::size_t stride = static_cast<std::size_t>(grid->width) * kRgba;
-  const std::size_t rows_kept = reader.passes() > 1 ? static_cast<std::size_t>(grid->height) : 1;
+  const std::size_t stride = static_cast<std::size_t>(grid->width()) * kRgba;
+  const std::size_t rows_kept = reader.passes() > 1 ? static_cast<std::size_t>(grid->height()) : 1;
   std::vector<unsigned char> rows(stride * rows_kept);
   for (int pass = 0; pass < reader.passes(); ++pass) {
-    for (int row = 0; row < grid->height; ++row) {
+    for (int row = 0; row < grid->height(); ++row) {
       unsigned char* pixels = rows.data() + stride * (static_cast<std::size_t>(row) % rows_kept);
       if (!reader.read_row(pixels)) return reader.error();
       if (pass + 1 < reader.passes()) continue;
-      Cell* cells = cells_of_image_row(*grid, row);
-      for (int column = 0; column < grid->width; ++column, pixels += kRgba) {
-        cells[column] = classify_rgba(yaml, pixels);
+      for (Cell& cell : grid->row(row)) {
+        cell = classify_rgba(yaml, pixels);
+        pixels += kRgba;
       }
+      grid->finish_row(row);
     }
   }
-  return grid;
+  return std::move(*grid).take();
 }
 
 void append_png_bytes(png_structp png, png_bytep bytes, std::size_t count) {
@@ -457,7 +460,8 @@ Result<OccupancyGrid> parse_image(const MapYaml& yaml, std::span<const std::byte
         png_sig_cmp(reinterpret_cast<png_const_bytep>(image.data()), 0, kPngSignatureBytes) == 0) {
       return parse_png(yaml, image, limits);
     }
-    return malformed("neither a grey pgm (P2, P5) nor a png", "image");
+    if (BmpImage::is_bmp(image)) return parse_bmp(yaml, image, limits);
+    return malformed("neither a grey pgm (P2, P5), a png nor a bmp", "image");
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kTooLarge, "not enough memory", "image"};
   }
@@ -488,6 +492,26 @@ double walled_share(const OccupancyGrid& grid) {
   return border == 0 ? 1.0 : static_cast<double>(walls) / static_cast<double>(border);
 }
 
+struct ImagePath {
+  std::filesystem::path path;
+  std::string note;
+};
+
+/// Where the image of a yaml is: a path of another computer is taken for the file of that name
+/// beside the yaml, if there is one.
+ImagePath image_beside(const std::filesystem::path& yaml_path, const std::string& image) {
+  const std::filesystem::path directory = yaml_path.parent_path();
+  std::error_code error;
+  std::filesystem::path named = directory / image;
+  if (std::filesystem::exists(named, error)) return {std::move(named), ""};
+  std::filesystem::path beside = directory / image.substr(image.find_last_of("/\\") + 1);
+  if (beside == named || !std::filesystem::is_regular_file(beside, error)) {
+    return {std::move(named), ""};
+  }
+  std::string note = "image: " + image + " is not there, " + beside.string() + " is read instead";
+  return {std::move(beside), std::move(note)};
+}
+
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
 }  // namespace
@@ -501,12 +525,12 @@ Result<MapFiles> load_map_files(const std::filesystem::path& yaml_path,
     return Error{yaml.error().code, yaml.error().field + ": " + yaml.error().message,
                  yaml_path.string()};
   }
-  std::filesystem::path image_path = yaml_path.parent_path() / yaml->image;
+  auto [image_path, note] = image_beside(yaml_path, yaml->image);
   // A plain pgm takes at most six bytes a pixel, beside its header.
   const auto max_bytes = static_cast<std::uintmax_t>(limits.max_cells) * 6 + kMaxYamlBytes;
   Result<std::string> image = read_file(image_path, max_bytes);
   if (!image) return image.error();
-  return MapFiles{std::move(*text), std::move(image_path), std::move(*image)};
+  return MapFiles{std::move(*text), std::move(image_path), std::move(*image), std::move(note)};
 }
 
 Result<OccupancyGrid> read_map_files(const std::filesystem::path& yaml_path,
@@ -524,6 +548,13 @@ Result<OccupancyGrid> parse_map(std::string_view yaml, std::span<const std::byte
   const Result<MapYaml> parsed = parse_map_yaml(yaml);
   if (!parsed) return parsed.error();
   return parse_image(*parsed, image, limits);
+}
+
+std::optional<std::string> thinning_note(std::string_view yaml, const OccupancyGrid& grid) {
+  const Result<MapYaml> parsed = parse_map_yaml(yaml);
+  if (!parsed || parsed->resolution == grid.resolution) return std::nullopt;
+  return "the image is too large at " + to_text(parsed->resolution) +
+         " m per pixel: it was thinned to " + to_text(grid.resolution) + " m per cell";
 }
 
 std::optional<std::string> threshold_advice(std::string_view yaml, std::span<const std::byte> image,

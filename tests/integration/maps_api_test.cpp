@@ -121,14 +121,19 @@ TEST_F(MapsApiTest, UpdatesAMapOfARoomThatIsMappedAgain) {
   EXPECT_EQ(entry("office"), after);
 }
 
-TEST_F(MapsApiTest, KeepsTheNumberOfBeamsOfTheFirstScan) {
-  client_.put("/v1/maps/office", {{"lidar", testing::lidar_json()}});
+TEST_F(MapsApiTest, ChecksTheNumberOfRangesAgainstTheLidarsBeamsOnly) {
+  Json lidar = testing::lidar_json();
+  lidar["beams"] = 360;
+  client_.put("/v1/maps/office", {{"lidar", lidar}});
   Json batch = testing::map_batch(drive_, 0, 1);
   batch.erase("lidar");
   EXPECT_EQ(client_.post("/v1/maps/office/scans", batch).status, 200);
   batch["scans"][0]["stamp"] = 1e6;
   batch["scans"][0]["ranges"].push_back(1.0);
   EXPECT_EQ(client_.post("/v1/maps/office/scans", batch).status, 422);
+  batch["scans"][0].update({{"angle_min", 0}, {"angle_increment", 0.01}});
+  EXPECT_EQ(client_.post("/v1/maps/office/scans", batch).status, 200);
+  batch["scans"][0]["stamp"] = 2e6;
   batch["lidar"] = {
       {"angle_min", 0}, {"angle_increment", 0.01}, {"range_min", 0}, {"range_max", 9}};
   EXPECT_EQ(client_.post("/v1/maps/office/scans", batch).status, 200);

@@ -23,7 +23,7 @@ struct LaserScan {
   double angle_min = 0.0;        ///< [rad]
   double angle_increment = 0.0;  ///< [rad]; negative for a clockwise lidar.
   double range_min = 0.0;        ///< [m]
-  double range_max = 0.0;        ///< [m]
+  double range_max = 0.0;        ///< [m]; infinite where the lidar has no limit.
   std::vector<float> ranges;     ///< [m], one a beam.
 
   [[nodiscard]] double bearing(std::size_t beam) const {
@@ -51,8 +51,8 @@ struct PosedScan {
   Pose2 T_map_base_link;
 };
 
-/// The first field that no lidar can have (not finite, range_max <= range_min, increment 0, more
-/// than a turn), or nothing. `field` of the error is the field's name.
+/// The first field that no lidar can have (not finite but range_max, range_max <= range_min,
+/// increment 0, more than a turn), or nothing. `field` of the error is the field's name.
 [[nodiscard]] std::optional<Error> validate(const LaserScan& scan);
 
 /// The returns as points in `laser` [m], in beam order. O(beams).

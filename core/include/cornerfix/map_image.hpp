@@ -1,9 +1,10 @@
-/// \file  ROS map_server files (a yaml and a pgm or png image) to an occupancy grid and back.
+/// \file  ROS map_server files (a yaml and a pgm, png or bmp image) to an occupancy grid and back.
 ///
 /// The image's first row is the highest y, as map_server has it. Reading checks the header against
 /// `MapImageLimits` before anything is allocated. Where map_server knows percentages (modes scale
-/// and raw), the thresholds decide here too; a pixel that can be seen through is unknown. Nothing
-/// here throws.
+/// and raw), the thresholds decide here too; a pixel that can be seen through is unknown. An image
+/// above the limit whose pixels are finer than 0.05 m is thinned to cells of 0.05 m while it is
+/// read. Nothing here throws.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,7 @@
 namespace cornerfix {
 
 struct MapImageLimits {
-  std::int64_t max_cells = 100'000'000;  ///< width * height.
+  std::int64_t max_cells = 100'000'000;  ///< width * height of the grid; of an image 16 times that.
 };
 
 /// The two files of a map as they are.
@@ -29,10 +30,12 @@ struct MapFiles {
   std::string yaml;
   std::filesystem::path image_path;
   std::string image;
+  std::string note;  ///< When the image is not where the yaml says, for people; else empty.
 };
 
-/// Loads MAP.yaml and the image it names (relative to the yaml); of the image only its size is
-/// checked. `field` of an error is the path of a file.
+/// Loads MAP.yaml and the image it names (relative to the yaml, or of that name beside it when the
+/// path is of another computer); of the image only its size is checked. `field` of an error is the
+/// path of a file.
 [[nodiscard]] Result<MapFiles> load_map_files(const std::filesystem::path& yaml_path,
                                               const MapImageLimits& limits = {});
 
@@ -40,10 +43,14 @@ struct MapFiles {
 [[nodiscard]] Result<OccupancyGrid> read_map_files(const std::filesystem::path& yaml_path,
                                                    const MapImageLimits& limits = {});
 
-/// The same from memory: `image` is a whole pgm (P2, P5) or png file.
+/// The same from memory: `image` is a whole pgm (P2, P5), png or bmp file.
 [[nodiscard]] Result<OccupancyGrid> parse_map(std::string_view yaml,
                                               std::span<const std::byte> image,
                                               const MapImageLimits& limits = {});
+
+/// A sentence for the map's owner when `grid`, made with this yaml, was thinned.
+[[nodiscard]] std::optional<std::string> thinning_note(std::string_view yaml,
+                                                       const OccupancyGrid& grid);
 
 /// A sentence for the map's owner when the yaml's thresholds leave most of the border of free space
 /// without walls, with the occupied_thresh that fits better if there is one. Nothing when they fit,

@@ -90,12 +90,58 @@ TEST(SessionScans, TakeNullOdometryAsNone) {
   EXPECT_FALSE(request.scans.at(0).T_odom_base_link.has_value());
 }
 
-TEST(SessionScans, IgnoreUnknownMembersWhateverTheyHold) {
-  const auto request = taken(parse_session_scans(
-      R"({"sequence": 0, "client": {"v": [1, {"ranges": ["x"]}]}, "scans": [
-          {"stamp": 1, "ranges": [1, 2, 3], "intensities": [1, "x", {"y": [null]}], "seq": {}}]})",
-      BodyFormat::kJson, three_beam_lidar(), {}));
+TEST(SessionScans, TakeUnusedMembersOfALaserScanWhateverTheyHold) {
+  const auto request = session_scans(
+      R"({"stamp": 1, "ranges": [1, 2, 3], "intensities": [1, "x", {"y": [null]}],
+          "angle_max": null, "scan_time": {},
+          "header": {"seq": [], "frame_id": 7}})");
   EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F, 3.0F));
+}
+
+TEST(SessionScans, TakeOdometryAsRosbridgeSendsIt) {
+  const auto request = session_scans(R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {
+      "header": {"seq": 1, "stamp": {"secs": 1, "nsecs": 0}, "frame_id": "odom"},
+      "child_frame_id": "base_footprint",
+      "pose": {"pose": {"position": {"x": 1.5, "y": -2.0, "z": 0.1},
+                        "orientation": {"x": 0, "y": 0, "z": 0.7071067811865476,
+                                        "w": 0.7071067811865476}},
+               "covariance": [0, 0, 0]},
+      "twist": {"twist": {}, "covariance": []}}})");
+  const auto& T_odom_base_link = request.scans.at(0).T_odom_base_link;
+  ASSERT_TRUE(T_odom_base_link);
+  EXPECT_EQ(T_odom_base_link->x, 1.5);
+  EXPECT_EQ(T_odom_base_link->y, -2.0);
+  EXPECT_NEAR(T_odom_base_link->yaw, kPi / 2.0, 1e-12);
+}
+
+TEST(SessionScans, AreStraightenedByTheOdometryOfTheirBatch) {
+  // Turning left by 0.1 rad in the second that a scan of four beams takes.
+  const std::string scan = R"("time_increment": 0.2, "ranges": [1, 1, 1])";
+  const auto request =
+      session_scans(R"({"stamp": 1.0, "odom": {"x": 0, "y": 0, "yaw": 0}, )" + scan +
+                    R"(}, {"stamp": 2.0, "odom": {"x": 0, "y": 0, "yaw": 0.1}, )" + scan +
+                    R"(}, {"stamp": 2.5, )" + scan + "}");
+  EXPECT_NEAR(request.scans.at(0).scan.angle_increment, 0.5 + 0.02, 1e-12);
+  EXPECT_NEAR(request.scans.at(1).scan.angle_increment, 0.5 + 0.02, 1e-12);
+  EXPECT_EQ(request.scans.at(2).scan.angle_increment, 0.5);
+}
+
+TEST(SessionScans, TakeARangeMaxOfNullBesideAnglesForNoLimit) {
+  const auto request = session_scans(
+      R"({"stamp": 1, "angle_min": -1, "angle_increment": 0.5, "range_max": null,
+          "ranges": [1, 2, 1000]})");
+  EXPECT_TRUE(request.scans.at(0).scan.has_return(2));
+}
+
+TEST(SessionScans, TakeAnInfiniteRangeMaxInCbor) {
+  nlohmann::json body = nlohmann::json::parse(
+      session_batch(R"({"stamp": 1, "angle_min": 0, "ranges": [1, 2, 1000]})"));
+  body["scans"][0]["range_max"] = std::numeric_limits<double>::infinity();
+  const auto bytes = nlohmann::json::to_cbor(body);
+  const auto request =
+      taken(parse_session_scans({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                                BodyFormat::kCbor, three_beam_lidar(), {}));
+  EXPECT_TRUE(request.scans.at(0).scan.has_return(2));
 }
 
 TEST(SessionScans, TakeMembersInAnyOrderAndEscapedNames) {
@@ -136,17 +182,26 @@ TEST(SessionScans, PreferTheStampBesideAHeader) {
   EXPECT_EQ(request.scans.at(0).scan.stamp, 3.0);
 }
 
-TEST(SessionScans, TakeTheFirstScansBeamsWhenTheLidarHasNone) {
+TEST(SessionScans, TakeAnyNumberOfRangesWhenTheLidarHasNoBeams) {
   Lidar lidar = three_beam_lidar();
   lidar.beams.reset();
-  const auto parse = [&](const std::string& scans) {
-    return parse_session_scans(session_batch(scans), BodyFormat::kJson, lidar, {});
-  };
-  EXPECT_EQ(taken(parse(R"({"stamp": 1, "ranges": [1, 2]}, {"stamp": 2, "ranges": [1, 2]})"))
-                .scans.size(),
-            2U);
-  const auto parsed = parse(R"({"stamp": 1, "ranges": [1, 2]}, {"stamp": 2, "ranges": [1]})");
-  EXPECT_EQ(std::get<Problem>(parsed).errors.at(0).pointer, "/scans/1/ranges");
+  const auto request = taken(parse_session_scans(
+      session_batch(R"({"stamp": 1, "ranges": [1, 2]}, {"stamp": 2, "ranges": [1]})"),
+      BodyFormat::kJson, lidar, {}));
+  EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F));
+  EXPECT_THAT(request.scans.at(1).scan.ranges, ElementsAre(1.0F));
+}
+
+TEST(SessionScans, TakeAScanWithItsOwnAnglesWhateverBeamsTheLidarHas) {
+  const auto request =
+      session_scans(R"({"stamp": 1, "angle_min": -1, "angle_increment": 0.25, "ranges": [1, 2]})");
+  EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F));
+  EXPECT_EQ(request.scans.at(0).scan.range_max, 10.0);
+  const auto shorter =
+      parse_session_scans(session_batch(R"({"stamp": 1, "range_max": 5, "ranges": [1, 2]})"),
+                          BodyFormat::kJson, three_beam_lidar(), {});
+  EXPECT_EQ(std::get<Problem>(shorter).errors.at(0).detail,
+            "2 values, expected 3 (from lidar.beams)");
 }
 
 TEST(SessionScans, TakeAsManyScansAndBeamsAsTheLimitsAllow) {
@@ -228,7 +283,7 @@ TEST(MapScans, PreferTheLidarOfTheBodyAndCountItsBeams) {
           "scans": [{"stamp": 1, "ranges": [1, 2], "pose": {"x": 0, "y": 0, "yaw": 0}}]})",
       BodyFormat::kJson, three_beam_lidar(), {}));
   ASSERT_TRUE(request.lidar.has_value());
-  EXPECT_EQ(request.lidar->beams, 2U);
+  EXPECT_EQ(request.lidar->beams, std::nullopt);
   EXPECT_EQ(request.scans.at(0).scan.range_max, 5.0);
   EXPECT_EQ(request.scans.at(0).T_base_link_laser, (Pose2{0.3, 0.0, 0.0}));
 }
@@ -296,6 +351,18 @@ TEST(StoredTexts, GiveALidarBackToTheLastBit) {
   EXPECT_EQ(lidar_from_json(lidar_to_json(lidar)), lidar);
   lidar.beams.reset();
   EXPECT_EQ(lidar_from_json(lidar_to_json(lidar)), lidar);
+}
+
+TEST(StoredTexts, GiveALidarWithoutLimitBack) {
+  const auto request = taken(parse_put_map(
+      R"({"lidar": {"angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": null}})",
+      BodyFormat::kJson));
+  const std::string stored = request.lidar_json.value_or("");
+  EXPECT_THAT(stored, testing::HasSubstr(R"("range_max":null)"));
+  const auto lidar = lidar_from_json(stored);
+  ASSERT_TRUE(lidar.has_value());
+  EXPECT_EQ(lidar->range_max, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(is_put_map_request("", stored, ""));
 }
 
 TEST(CreateSession, TakesOneMapSomeMapsOrAll) {

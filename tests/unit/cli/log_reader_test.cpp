@@ -162,6 +162,112 @@ TEST_F(LogReading, CountsScansThatAreNoYoungerThanTheOneBefore) {
   EXPECT_EQ(reader->faults().count(), 2U);
 }
 
+TEST_F(LogReading, KeepsTheOrderOfScansOfOneStamp) {
+  auto reader = LogReader::open(directory_.write("a.jsonl", std::string(kHeader) +
+                                                                R"({"t": 5, "ranges": [1,1,1]})"
+                                                                "\n"
+                                                                R"({"t": 5, "ranges": [1,1,2]})"
+                                                                "\n"
+                                                                R"({"t": 5, "ranges": [1,1,3]})"
+                                                                "\n"
+                                                                R"({"t": 6, "ranges": [1,1,4]})"));
+  ASSERT_TRUE(reader.ok());
+  const RecordedLog log = read_all(*reader);
+  ASSERT_EQ(log.scans.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(log.scans[i].scan.ranges[2], static_cast<float>(i + 1));
+    EXPECT_TRUE(i == 0 || log.scans[i].scan.stamp > log.scans[i - 1].scan.stamp);
+  }
+  EXPECT_EQ(log.scans[3].scan.stamp, 6.0);
+  EXPECT_THAT(remarks(*reader), HasSubstr("2 scans have the stamp of the scan before"));
+}
+
+TEST_F(LogReading, BeginsANewRunWhenTheClockIsSetBack) {
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", std::string(kHeader) + R"({"t": 5000, "ranges": [1,1,1]})"
+                                                         "\n"
+                                                         R"({"t": 1400, "ranges": [1,1,2]})"
+                                                         "\n"
+                                                         R"({"t": 1401, "ranges": [1,1,3]})"));
+  ASSERT_TRUE(reader.ok());
+  const RecordedLog log = read_all(*reader);
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_FALSE(log.scans[0].begins_run);
+  EXPECT_TRUE(log.scans[1].begins_run);
+  EXPECT_EQ(log.scans[1].scan.stamp, 5600.0);
+  EXPECT_FALSE(log.scans[2].begins_run);
+  EXPECT_EQ(log.scans[2].scan.stamp, 5601.0);
+  EXPECT_THAT(remarks(*reader), HasSubstr("by 3600.000000 s to 1400.000000 s"));
+}
+
+TEST_F(LogReading, TellsWhenMostScansWereLeftOut) {
+  const std::string good = R"({"t": 1, "ranges": [1, 1, 1]})"
+                           "\n";
+  const std::string bad = R"({"t": 2, "ranges": [1, 1]})"
+                          "\n";
+  auto reader = LogReader::open(directory_.write("a.jsonl", kHeader + good + bad));
+  ASSERT_TRUE(reader.ok());
+  static_cast<void>(read_all(*reader));
+  EXPECT_FALSE(reader->most_scans_lost());
+  auto poor = LogReader::open(directory_.write("a.jsonl", kHeader + good + bad + bad));
+  ASSERT_TRUE(poor.ok());
+  static_cast<void>(read_all(*poor));
+  ASSERT_TRUE(poor->most_scans_lost());
+  EXPECT_THAT(poor->most_scans_lost()->message,
+              HasSubstr("2 of 3 scans were left out; 2 broken records left out, the first at line "
+                        "3"));
+}
+
+TEST_F(LogReading, TakesTheGeometryThatAScanHasItself) {
+  const auto log = read_log(directory_.write(
+      "a.jsonl",
+      std::string(kHeader) +
+          R"({"t": 1, "angle_min": -2, "angle_increment": 0.5, "ranges": [1, 2, 3, 4, 5]})"
+          "\n"
+          R"({"t": 2, "range_max": null, "ranges": [1, 2, 1000]})"
+          "\n"
+          R"({"t": 3, "ranges": [1, 2, 3]})"));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->scans.size(), 3U);
+  EXPECT_EQ(log->scans[0].scan.angle_min, -2.0);
+  EXPECT_EQ(log->scans[0].scan.ranges.size(), 5U);
+  EXPECT_TRUE(log->scans[1].scan.has_return(2));
+  EXPECT_EQ(log->scans[2].scan.angle_min, log->header.lidar.angle_min);
+}
+
+TEST_F(LogReading, StraightensScansByTheirOdometry) {
+  const std::string header =
+      R"({"angle_min": -1, "angle_increment": 0.5, "range_min": 0.1, "range_max": 9)";
+  const std::string scans = R"({"t": 1, "ranges": [1, 1, 1, 1], "odom": [0, 0, 0]})"
+                            "\n"
+                            R"({"t": 1.4, "ranges": [1, 1, 1, 1], "odom": [0, 0, 0.08]})"
+                            "\n"
+                            R"({"t": 9, "ranges": [1, 1, 1, 1], "odom": [0, 0, 0.08]})";
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", header + R"(, "time_increment": 0.1})" + "\n" + scans));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  const RecordedLog log = read_all(*reader);
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_NEAR(log.scans[0].scan.angle_increment, 0.52, 1e-12);
+  EXPECT_NEAR(log.scans[1].scan.angle_increment, 0.52, 1e-12);
+  EXPECT_EQ(log.scans[2].scan.angle_increment, 0.5);
+  EXPECT_THAT(remarks(*reader), HasSubstr("1 scans were taken beam by beam"));
+  auto told =
+      LogReader::open(directory_.write("a.jsonl", header + "}\n" + scans), {.scan_time = 0.4});
+  ASSERT_TRUE(told.ok());
+  EXPECT_NEAR(told->next()->scan.angle_increment, 0.52, 1e-12);
+}
+
+TEST_F(LogReading, TakesARangeMaxOfNullForNoLimit) {
+  const auto log = read_log(directory_.write(
+      "a.jsonl", R"({"angle_min": -1, "angle_increment": 1, "range_min": 0.1, "range_max": null})"
+                 "\n"
+                 R"({"t": 1, "ranges": [1, null, 1000]})"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_TRUE(log->scans.at(0).scan.has_return(2));
+  EXPECT_FALSE(log->scans.at(0).scan.has_return(1));
+}
+
 TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
   const auto log = read_log(directory_.write(
       "a.jsonl", R"({"name": "x", "beams": 3, "angle_min": 0, "angle_increment": 0.1})"
@@ -239,7 +345,7 @@ TEST_F(LogReading, TakesOneOfTheLasersOfACarmenLog) {
   ASSERT_TRUE(front.ok());
   ASSERT_EQ(front->scans.size(), 1U);
   EXPECT_EQ(front->scans[0].scan.ranges[0], 1.0F);
-  auto reader = LogReader::open(path, "RLASER");
+  auto reader = LogReader::open(path, {.lidar = "RLASER"});
   ASSERT_TRUE(reader.ok());
   const RecordedLog rear = read_all(*reader);
   ASSERT_EQ(rear.scans.size(), 1U);
@@ -279,6 +385,50 @@ TEST_F(LogReading, GivesARawCarmenLaserTheOdometryOfItsTime) {
   ASSERT_TRUE(log.ok()) << log.error().message;
   ASSERT_TRUE(log->scans[0].T_odom_laser);
   EXPECT_NEAR(log->scans[0].T_odom_laser->x, 1.0 + 0.5 * 0.2 + 0.2, 1e-9);
+}
+
+TEST_F(LogReading, ReadsCarmenScansWhoseNumberOfBeamsVaries) {
+  const auto log = read_log(directory_.write("drive.log",
+                                             "FLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\n"
+                                             "FLASER 5 1 2 3 4 5 0 0 0 0 0 0 2.0 host 2.0\n"));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->scans.size(), 2U);
+  EXPECT_NEAR(log->scans[1].scan.bearing(4), std::numbers::pi / 2.0, 1e-12);
+}
+
+TEST_F(LogReading, ReadsCarmenStampsOfSixDigits) {
+  const auto log =
+      read_log(directory_.write("drive.log",
+                                "FLASER 3 1 2 3 0 0 0 0.0 0 0 1.13486e+09 host 1.13486e+09\n"
+                                "FLASER 3 1 2 4 0 0 0 0.1 0 0 1.13486e+09 host 1.13486e+09\n"
+                                "FLASER 3 1 2 5 0 0 0 0.2 0 0 1.13486e+09 host 1.13486e+09\n"));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->scans.size(), 3U);
+  EXPECT_NEAR(log->scans[2].scan.stamp, 1134860000.02, 1e-6);
+  EXPECT_EQ(log->scans[2].T_odom_laser->x, 0.2);
+}
+
+TEST_F(LogReading, ReadsTheLogsOfGMapping) {
+  const auto log = read_log(directory_.write("drive.gfs",
+                                             "PARAM xmin -100\n"
+                                             "ODOM 1.0 2.0 0.5 10.0\n"
+                                             "ODO_UPDATE 1 4.0 5.0 0.1 0.0 10.0\n"
+                                             "LASER_READING 3 1 2 3 0 0 0 10.0\n"
+                                             "SM_UPDATE 2 4.0 5.0 0.1 -9.0 6.0 7.0 0.2 -8.0 10.0\n"
+                                             "NEFF 1.0\n"
+                                             "ODOM 1.1 2.0 0.5 10.1\n"
+                                             "LASER_READING 3 1 2 81.9 0 0 0 10.1\n"
+                                             "ODOM 1.2 2.0 0.5 10.2\n"
+                                             "LASER_READING 3 1 2 5 0 0 0 10.2\n"));
+  ASSERT_TRUE(log.ok());
+  ASSERT_EQ(log->scans.size(), 3U);
+  EXPECT_EQ(log->scans[0].T_odom_laser, (Pose2{1.0, 2.0, 0.5}));
+  EXPECT_EQ(log->scans[0].T_map_laser, (Pose2{6.0, 7.0, 0.2}));
+  EXPECT_NEAR(log->scans[0].scan.bearing(0), -std::numbers::pi / 2.0, 1e-12);
+  EXPECT_EQ(log->scans[1].T_odom_laser, (Pose2{1.1, 2.0, 0.5}));
+  EXPECT_FALSE(log->scans[1].T_map_laser);
+  EXPECT_FALSE(log->scans[1].scan.has_return(2));
+  EXPECT_EQ(log->scans[2].scan.stamp, 10.2);
 }
 
 TEST_F(LogReading, TakesFieldOfViewAndRangeOfACarmenLogFromItsParameters) {

@@ -71,6 +71,14 @@ TEST(LaserScan, ARangeAtRangeMaxOrJustBelowItIsNoReturn) {
   EXPECT_EQ(returns_as_points(scan).size(), 1U);
 }
 
+TEST(LaserScan, HasNoLimitWhenItsRangeMaxIsInfinite) {
+  LaserScan scan = quarter_turns({0.5F, 1e6F, std::numeric_limits<float>::infinity()});
+  scan.range_max = kInfinity;
+  EXPECT_FALSE(validate(scan).has_value());
+  EXPECT_TRUE(scan.has_return(1));
+  EXPECT_FALSE(scan.has_return(2));
+}
+
 TEST(LaserScan, AnEmptyScanIsValid) {
   EXPECT_FALSE(validate(quarter_turns({})).has_value());
   EXPECT_TRUE(returns_as_points(quarter_turns({})).empty());
@@ -113,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(
         BrokenScan{"range_min", [](LaserScan& scan) { scan.range_min = -0.1; }},
         BrokenScan{"range_min", [](LaserScan& scan) { scan.range_min = std::nan(""); }},
         BrokenScan{"range_max", [](LaserScan& scan) { scan.range_max = scan.range_min; }},
-        BrokenScan{"range_max", [](LaserScan& scan) { scan.range_max = kInfinity; }},
+        BrokenScan{"range_max", [](LaserScan& scan) { scan.range_max = std::nan(""); }},
         BrokenScan{"ranges", [](LaserScan& scan) { scan.ranges.resize(40, 1.0F); }},
         BrokenScan{"ranges", [](LaserScan& scan) {
                      scan.angle_increment = -scan.angle_increment;

@@ -95,6 +95,92 @@ TEST(MapImage, NegateTurnsBlackIntoFree) {
             ".#");
 }
 
+TEST(MapImage, TakesTheTruthValuesOfYamlForNegate) {
+  const std::string image = "P5\n2 1\n255\n" + bytes({0, 255});
+  for (const char* yes : {"1", "true", "True", "TRUE", "yes", "Yes", "on"}) {
+    EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: " + yes + "\n", image)), ".#") << yes;
+  }
+  for (const char* no : {"0", "false", "False", "FALSE", "no", "No", "off"}) {
+    EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: " + no + "\n", image)), "#.") << no;
+  }
+}
+
+/// Little-endian.
+std::string number(std::uint32_t value, std::size_t size) {
+  std::string out;
+  for (std::size_t i = 0; i < size; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
+  return out;
+}
+
+/// A bitmap; `palette` of blue, green, red and nothing; `rows` padded, the lowest first.
+std::string make_bmp(int width, int height, int bits, const std::string& palette,
+                     const std::string& rows, std::uint32_t compression = 0) {
+  const auto size = static_cast<std::uint32_t>(54 + palette.size());
+  return "BM" + number(0, 8) + number(size, 4) + number(40, 4) +
+         number(static_cast<std::uint32_t>(width), 4) +
+         number(static_cast<std::uint32_t>(height), 4) + number(1, 2) +
+         number(static_cast<std::uint32_t>(bits), 2) + number(compression, 4) + number(0, 12) +
+         number(static_cast<std::uint32_t>(palette.size() / 4), 4) + number(0, 4) + palette + rows;
+}
+
+TEST(MapImage, ReadsEveryKindOfBmp) {
+  const std::string black_white = bytes({0, 0, 0, 0, 255, 255, 255, 0});
+  // Free, wall in the upper row; unknown, free in the lower one.
+  const std::string grey = black_white + bytes({205, 205, 205, 0});
+  EXPECT_EQ(drawn(parse(kYaml, make_bmp(2, 2, 8, grey, bytes({2, 1, 0, 0, 1, 0, 0, 0})))), ".#/?.");
+  EXPECT_EQ(drawn(parse(kYaml, make_bmp(2, -2, 8, grey, bytes({1, 0, 0, 0, 2, 1, 0, 0})))),
+            ".#/?.");
+  EXPECT_EQ(drawn(parse(kYaml, make_bmp(3, 1, 4, grey, bytes({0x10, 0x20, 0, 0})))), ".#?");
+  EXPECT_EQ(drawn(parse(kYaml, make_bmp(3, 1, 1, black_white, bytes({0xa0, 0, 0, 0})))), ".#.");
+  EXPECT_EQ(drawn(parse(kYaml, make_bmp(2, 1, 24, "", bytes({255, 255, 255, 0, 0, 0, 0, 0})))),
+            ".#");
+  EXPECT_EQ(drawn(parse(kYaml, make_bmp(2, 1, 32, "", bytes({255, 255, 255, 0, 0, 0, 0, 255})))),
+            ".#");
+}
+
+TEST(MapImage, SurvivesEveryCutOfABmp) {
+  const std::string bmp =
+      make_bmp(2, 2, 8, bytes({0, 0, 0, 0, 255, 255, 255, 0}), bytes({0, 1, 0, 0, 1, 0, 0, 0}));
+  for (std::size_t size = 0; size < bmp.size(); ++size) {
+    EXPECT_FALSE(parse(kYaml, bmp.substr(0, size)).ok()) << size;
+  }
+  for (const auto& broken :
+       {make_bmp(2, 1, 16, "", std::string(8, '\0')), make_bmp(0, 1, 24, "", ""),
+        make_bmp(2, 1, 8, bytes({0, 0, 0, 0}), std::string(4, '\0'), 1),
+        make_bmp(0x7fffffff, 0x7fffffff, 32, "", "")}) {
+    EXPECT_EQ(parse(kYaml, broken).error().code, ErrorCode::kMalformed);
+  }
+}
+
+TEST(MapImage, ThinsAFineImageAboveTheLimit) {
+  const std::string yaml = "image: a.pgm\nresolution: 0.02\norigin: [1, 2, 0]\n";
+  // The middles of five pixels lie in cells 0, 0, 1, 1, 1.
+  const std::string image = "P5\n5 3\n255\n" + bytes({254, 254, 205, 205, 205, 254, 254, 254, 205,
+                                                      0, 205, 205, 254, 254, 254});
+  const auto whole = parse(yaml, image, {.max_cells = 15});
+  ASSERT_TRUE(whole.ok());
+  EXPECT_EQ(whole->resolution, 0.02);
+  EXPECT_FALSE(thinning_note(yaml, *whole));
+  const auto grid = parse(yaml, image, {.max_cells = 14});
+  ASSERT_TRUE(grid.ok()) << grid.error().message;
+  EXPECT_EQ(grid->resolution, 0.05);
+  EXPECT_EQ(grid->T_map_grid, (Pose2{1.0, 2.0, 0.0}));
+  EXPECT_EQ(drawn(*grid), ".?/.#");
+  EXPECT_EQ(thinning_note(yaml, *grid),
+            "the image is too large at 0.02 m per pixel: it was thinned to 0.05 m per cell");
+}
+
+TEST(MapImage, SaysWhichResolutionFits) {
+  const auto coarse = parse(kYaml, "P5\n300 200\n255\n", {.max_cells = 10000});
+  EXPECT_EQ(coarse.error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(coarse.error().message,
+            "300 x 200 pixels of 0.1 m, at most 10000 are taken: save the map with a resolution of "
+            "0.25 m or coarser, or cut it");
+  const std::string fine = "image: a.pgm\nresolution: 0.04\norigin: [1, 2, 0]\n";
+  EXPECT_EQ(parse(fine, "P5\n300 200\n255\n", {.max_cells = 10000}).error().code,
+            ErrorCode::kTooLarge);
+}
+
 TEST(MapImage, AppliesTheThresholdsOfTheYaml) {
   const std::string image = "P5\n3 1\n100\n" + bytes({60, 50, 40});  // Occupied by 0.4, 0.5, 0.6.
   EXPECT_EQ(drawn(parse(kYaml, image)), "???");
@@ -246,6 +332,19 @@ TEST_F(MapFiles, AreReadWithTheImageBesideTheYaml) {
   const auto grid = read_map_files(directory_ / "map.yaml");
   ASSERT_TRUE(grid.ok()) << grid.error().message;
   EXPECT_EQ(*grid, small_grid());
+}
+
+TEST_F(MapFiles, TakeTheImageBesideTheYamlForOneOfAnotherComputer) {
+  const auto png = encode_grid_png(small_grid());
+  write("map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  for (const char* image : {"/home/someone/maps/map.png", "C:\\maps\\map.png", "../gone/map.png"}) {
+    write("map.yaml", encode_grid_yaml(small_grid(), image));
+    const auto files = load_map_files(directory_ / "map.yaml");
+    ASSERT_TRUE(files.ok()) << files.error().message;
+    EXPECT_EQ(files->image_path, directory_ / "map.png");
+    EXPECT_NE(files->note.find(image), std::string::npos) << files->note;
+    EXPECT_EQ(read_map_files(directory_ / "map.yaml").value(), small_grid());
+  }
 }
 
 TEST_F(MapFiles, SayWhichFileIsMissing) {

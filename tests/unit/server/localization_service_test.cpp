@@ -212,12 +212,11 @@ TEST_F(LocalizationServiceTest, GoesOnAfterARestartAsIfThereHadBeenNone) {
   EXPECT_EQ(last.substr(with.size()), expected.substr(without.size()));
 }
 
-TEST_F(LocalizationServiceTest, KnowsTheNumberOfBeamsAfterARestart) {
+TEST_F(LocalizationServiceTest, DoesNotBindLaterScansToTheNumberOfBeamsOfTheFirst) {
   const std::string id = create(process_);
-  EXPECT_EQ(service_.head(id)->lidar.beams, std::nullopt);
   answer(process_, id, batch(0));
-  EXPECT_EQ(service_.head(id)->lidar.beams, 360U);
-  EXPECT_EQ(Process(file()).localization.head(id)->lidar.beams, 360U);
+  EXPECT_EQ(service_.head(id)->lidar.beams, std::nullopt);
+  EXPECT_EQ(Process(file()).localization.head(id)->lidar.beams, std::nullopt);
 }
 
 TEST_F(LocalizationServiceTest, SharesASessionWithAnotherProcess) {
@@ -263,16 +262,6 @@ TEST_F(LocalizationServiceTest,
   EXPECT_EQ(service_.post_scans(id, batch(0)).error().code, ErrorCode::kConflict);
   Process restarted(file());
   EXPECT_EQ(restarted.localization.post_scans(id, batch(0)).error().code, ErrorCode::kConflict);
-}
-
-TEST_F(LocalizationServiceTest, RemembersTheNumberOfBeamsOfScansThatShowedNothing) {
-  const std::string id = create(process_);
-  auto blind = batch(0);
-  for (RobotScan& scan : blind.scans) scan.scan.ranges.assign(360, 1e3F);
-  answer(process_, id, blind);
-  ASSERT_TRUE(service_.reset(id));
-  Process restarted(file());
-  EXPECT_EQ(restarted.localization.head(id)->lidar.beams, 360U);
 }
 
 TEST_F(LocalizationServiceTest, LeavesADeletedMapWhenItSearchesAll) {

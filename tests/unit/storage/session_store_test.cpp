@@ -27,8 +27,7 @@ class SessionStoreTest : public ::testing::Test {
             .expected_sequence = 0,
             .last_answer = "",
             .state = state,
-            .map_ids = {7, 2, 9},
-            .beams = 25};
+            .map_ids = {7, 2, 9}};
   }
   /// Stores `state` as the answer to the next sequence.
   Result<void> advance(const LocalizerState& state) {

@@ -217,8 +217,7 @@ bool is_same(const SessionRecord& a, const SessionRecord& b) {
   return a.id == b.id && a.robot == b.robot && a.created == b.created && a.maps == b.maps &&
          a.lidar_json == b.lidar_json && a.options_json == b.options_json &&
          a.expected_sequence == b.expected_sequence && a.last_answer == b.last_answer &&
-         is_same(a.state, b.state) && a.map_ids == b.map_ids && a.beams == b.beams &&
-         a.last_batch == b.last_batch;
+         is_same(a.state, b.state) && a.map_ids == b.map_ids && a.last_batch == b.last_batch;
 }
 
 }  // namespace cornerfix::storage

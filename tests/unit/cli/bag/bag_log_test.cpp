@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "cli/log_reader.hpp"
@@ -18,15 +21,17 @@ using testing::SizeIs;
 constexpr double kPi = std::numbers::pi;
 constexpr WireFormat kRos1 = WireFormat::kRos1;
 constexpr WireFormat kCdr = WireFormat::kCdr;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 WrittenMessage scan_message(WireFormat format, double stamp, const std::string& topic = "/scan") {
   const char* type = format == kRos1 ? "sensor_msgs/LaserScan" : "sensor_msgs/msg/LaserScan";
   return {stamp + 0.01, topic, type, laser_scan(format, stamp, {1.5F, 2.5F, 30.0F})};
 }
 
-WrittenMessage odometry_message(WireFormat format, double stamp, double x, double y, double yaw) {
+WrittenMessage odometry_message(WireFormat format, double stamp, double x, double y, double yaw,
+                                const std::string& topic = "/odom") {
   const char* type = format == kRos1 ? "nav_msgs/Odometry" : "nav_msgs/msg/Odometry";
-  return {stamp + 0.01, "/odom", type, odometry(format, stamp, x, y, yaw)};
+  return {stamp + 0.01, topic, type, odometry(format, stamp, x, y, yaw)};
 }
 
 WrittenMessage tf_message(WireFormat format, double stamp,
@@ -77,8 +82,8 @@ void expect_drive(const RecordedLog& log, std::size_t scans) {
 class BagReading : public testing::Test {
  protected:
   /// All scans, and what was left out on the way.
-  RecordedLog read(const std::filesystem::path& path, const std::string& lidar = "") {
-    Result<LogReader> reader = LogReader::open(path, lidar);
+  RecordedLog read(const std::filesystem::path& path, const LogSelection& selection = {}) {
+    Result<LogReader> reader = LogReader::open(path, selection);
     if (!reader) {
       ADD_FAILURE() << reader.error().message;
       return {};
@@ -177,11 +182,11 @@ TEST_F(BagReading, TakesTheLidarThatItIsTold) {
                                                 scan_message(kRos1, 3.0, "/rear")};
   const auto path = directory_.write("a.bag", ros1_bag({messages}, "none"));
   EXPECT_THAT(read(path).scans, SizeIs(2));
-  EXPECT_EQ(remarks_, "scans of /rear only, not of /front");
-  const RecordedLog front = read(path, "/front");
+  EXPECT_THAT(remarks_, HasSubstr("scans of /rear only, not of /front"));
+  const RecordedLog front = read(path, {.lidar = "/front"});
   ASSERT_THAT(front.scans, SizeIs(1));
   EXPECT_EQ(front.scans[0].scan.stamp, 2.0);
-  const auto none = LogReader::open(path, "/left");
+  const auto none = LogReader::open(path, {.lidar = "/left"});
   ASSERT_FALSE(none.ok());
   EXPECT_THAT(none.error().message, HasSubstr("holds no scan of /left"));
 }
@@ -247,11 +252,359 @@ TEST_F(BagReading, CountsScansThatGoBackInTime) {
   EXPECT_EQ(faults_.first()[0].where, "stamp 2.000000 s");
 }
 
-TEST_F(BagReading, CountsScansOfAnotherGeometry) {
-  std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0), scan_message(kRos1, 2.0)};
-  messages[1].bytes = laser_scan(kRos1, 2.0, {1.0F, 2.0F, 3.0F, 4.0F});
-  EXPECT_THAT(read(directory_.write("a.bag", ros1_bag({messages}, "none"))).scans, SizeIs(1));
-  EXPECT_THAT(remarks_, HasSubstr("other beams, angles or ranges than in the first scan"));
+TEST_F(BagReading, UsesEachScanWithItsOwnGeometry) {
+  std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0), scan_message(kRos1, 2.0),
+                                          scan_message(kRos1, 3.0)};
+  messages[1].bytes = laser_scan(kRos1, 2.0, {1.0F, 2.0F, 3.0F, 4.0F}, "laser", {-1.0F, 0.5F});
+  messages[2].bytes = laser_scan(kRos1, 3.0, {1.0F, 2.0F, 3.0F}, "laser", {-1.0F, 1.0F, 2.5F});
+  const RecordedLog log = read(directory_.write("a.bag", ros1_bag({messages}, "none")));
+  ASSERT_THAT(log.scans, SizeIs(3));
+  EXPECT_EQ(faults_.count(), 0U);
+  EXPECT_EQ(log.header.beams, 3U);
+  EXPECT_EQ(log.scans[0].scan.range_max, 20.0);
+  EXPECT_THAT(log.scans[1].scan.ranges, SizeIs(4));
+  EXPECT_EQ(log.scans[1].scan.angle_increment, 0.5);
+  EXPECT_EQ(log.scans[2].scan.range_max, 2.5);
+}
+
+TEST_F(BagReading, TakesAnInfiniteRangeMaxForNoLimit) {
+  WrittenMessage message = scan_message(kRos1, 1.0);
+  message.bytes =
+      laser_scan(kRos1, 1.0, {1.0F, 200.0F, kInfinity}, "laser", {-1.0F, 1.0F, kInfinity});
+  const RecordedLog log = read(directory_.write("a.bag", ros1_bag({{message}}, "none")));
+  ASSERT_THAT(log.scans, SizeIs(1));
+  EXPECT_TRUE(log.scans[0].scan.has_return(1));
+  EXPECT_FALSE(log.scans[0].scan.has_return(2));
+}
+
+TEST_F(BagReading, ReadsARos1BagWhoseIndexClaimsAWrongLength) {
+  std::string bag = ros1_bag(drive(kRos1, 20), "none");
+  const std::string right = index_record(3, 3 * 12);
+  for (std::size_t at = bag.find(right); at != std::string::npos; at = bag.find(right, at + 1)) {
+    bag.replace(at, right.size(), index_record(3, 3 * 20));
+  }
+  const RecordedLog log = read(directory_.write("a.bag", bag));
+  EXPECT_THAT(log.scans, SizeIs(20));
+  EXPECT_EQ(faults_.count(), 0U);
+}
+
+// --- whose scans, transforms and odometry -------------------------------------------------------
+
+TEST_F(BagReading, TakesTheScansOfMostBeams) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 3; ++i) {
+    messages.push_back(scan_message(kCdr, 1.0 + i, "/cliff"));
+    messages.push_back(scan_message(kCdr, 1.1 + i, "/scan"));
+    messages.back().bytes =
+        laser_scan(kCdr, 1.1 + i, std::vector<float>(50, 2.0F), "laser", {-1.0F, 0.01F});
+  }
+  const auto path = directory_.write("a.mcap", mcap({messages}, ""));
+  EXPECT_EQ(read(path).header.beams, 50U);
+  EXPECT_THAT(remarks_, HasSubstr("scans of /scan only, not of /cliff"));
+  EXPECT_EQ(read(path, {.lidar = "/cliff"}).header.beams, 3U);
+}
+
+TEST_F(BagReading, NamesTopicsTypesAndCountsWhenThereIsNoScan) {
+  const std::vector<WrittenMessage> messages = {
+      odometry_message(kCdr, 1.0, 0.0, 0.0, 0.0),
+      {1.0, "/camera", "sensor_msgs/msg/Image", "pixels"},
+      {2.0, "/camera", "sensor_msgs/msg/Image", "pixels"}};
+  const auto log = LogReader::open(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message,
+              HasSubstr("holds no scan; its topics are /odom (nav_msgs/msg/Odometry, 1 messages), "
+                        "/camera (sensor_msgs/msg/Image, 2 messages)"));
+}
+
+TEST_F(BagReading, TakesTheFirstEchoOfAMultiEchoScan) {
+  const std::vector<WrittenMessage> messages = {
+      {1.0, "/echoes", "sensor_msgs/MultiEchoLaserScan",
+       multi_echo_scan(kRos1, 1.0, {{1.0F, 4.0F}, {}, {3.0F}})}};
+  const RecordedLog log = read(directory_.write("a.bag", ros1_bag({messages}, "none")));
+  ASSERT_THAT(log.scans, SizeIs(1));
+  EXPECT_EQ(log.scans[0].scan.ranges[0], 1.0F);
+  EXPECT_FALSE(log.scans[0].scan.has_return(1));
+  EXPECT_EQ(log.scans[0].scan.ranges[2], 3.0F);
+}
+
+/// A cylinder wall of 3 m radius, a point per degree, from 0.5 m below the sensor to 0.5 m above;
+/// nearer points at the height of the floor.
+std::vector<WrittenPoint> cylinder() {
+  std::vector<WrittenPoint> points;
+  for (int degree = -180; degree < 180; ++degree) {
+    const auto angle = static_cast<float>(degree * kPi / 180.0);
+    for (const float z : {-0.5F, 0.0F, 0.5F}) {
+      points.push_back({3.0F * std::cos(angle), 3.0F * std::sin(angle), z});
+    }
+    points.push_back({std::cos(angle), std::sin(angle), -0.6F});
+  }
+  return points;
+}
+
+TEST_F(BagReading, CutsAPointCloudWhereThereIsNoScan) {
+  const std::vector<WrittenMessage> messages = {
+      {1.0, "/points", "sensor_msgs/msg/PointCloud2", point_cloud(kCdr, 1.0, cylinder())}};
+  const auto path = directory_.write("a.mcap", mcap({messages}, ""));
+  const RecordedLog log = read(path);
+  ASSERT_THAT(log.scans, SizeIs(1));
+  const LaserScan& scan = log.scans[0].scan;
+  ASSERT_THAT(scan.ranges, SizeIs(360));
+  EXPECT_NEAR(scan.angle_increment, kPi / 180.0, 1e-6);
+  for (const float range : scan.ranges) EXPECT_NEAR(range, 3.0F, 1e-4F);
+  EXPECT_THAT(remarks_, HasSubstr("-0.15 to 0.15 m above the sensor"));
+  const RecordedLog floor = read(path, {.height = {-0.7, -0.55}});
+  ASSERT_THAT(floor.scans, SizeIs(1));
+  EXPECT_NEAR(floor.scans[0].scan.ranges[0], 1.0F, 1e-4F);
+}
+
+TEST_F(BagReading, CutsThePointCloudOfACameraLevel) {
+  // The optical frame looks along z, y points down: the wall 2 m ahead, the floor 0.5 m below.
+  std::vector<WrittenPoint> points;
+  for (int i = -20; i <= 20; ++i) {
+    points.push_back({0.05F * static_cast<float>(i), 0.0F, 2.0F});
+    points.push_back({0.05F * static_cast<float>(i), 0.5F, 1.0F});
+  }
+  WireWriter optical(kCdr);
+  optical.number(std::uint32_t{1}).header(1.0, "base_link").text("laser");
+  optical.number(0.2).number(0.0).number(0.5);
+  optical.number(-0.5).number(0.5).number(-0.5).number(0.5);
+  const std::vector<WrittenMessage> messages = {
+      {0.5, "/tf_static", "tf2_msgs/msg/TFMessage", optical.bytes()},
+      odometry_message(kCdr, 0.9, 5.0, 0.0, 0.0),
+      {1.0, "/points", "sensor_msgs/msg/PointCloud2", point_cloud(kCdr, 1.0, points)},
+      odometry_message(kCdr, 1.1, 5.0, 0.0, 0.0)};
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_THAT(log.scans, SizeIs(1));
+  ASSERT_TRUE(log.scans[0].T_odom_laser);
+  std::size_t returns = 0;
+  for (const Point2& point : returns_as_points(log.scans[0].scan)) {
+    EXPECT_NEAR((*log.scans[0].T_odom_laser * point).x(), 5.0 + 0.2 + 2.0, 0.02);
+    ++returns;
+  }
+  EXPECT_GE(returns, 38U);  // Some of the outer points share a bearing.
+}
+
+TEST_F(BagReading, TakesTheTransformsOfTheScansNamespace) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 5; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back(tf_message(kCdr, stamp, {{"odom", "laser", 0.1 * i, 0.0, 0.0}}, "/a/tf"));
+    messages.push_back(tf_message(kCdr, stamp, {{"odom", "laser", 50.0, 0.0, 0.0}}, "/b/tf"));
+    messages.push_back(tf_message(kCdr, stamp, {{"odom", "laser", 70.0, 0.0, 0.0}}, "/tf"));
+    messages.push_back(scan_message(kCdr, stamp, "/a/front/scan"));
+    messages.push_back(scan_message(kCdr, stamp, "/b/scan"));
+    messages.push_back(scan_message(kCdr, stamp, "/c/scan"));
+  }
+  const auto path = directory_.write("a.mcap", mcap({messages}, ""));
+  const auto x_of = [&](const std::string& topic) {
+    const RecordedLog log = read(path, {.lidar = topic});
+    return log.scans.size() == 5 ? log.scans[4].T_odom_laser.value_or(Pose2{}).x : NAN;
+  };
+  EXPECT_NEAR(x_of("/a/front/scan"), 0.4, 1e-9);
+  EXPECT_THAT(remarks_, HasSubstr("no transforms of /b/tf, /tf"));
+  EXPECT_NEAR(x_of("/b/scan"), 50.0, 1e-9);
+  EXPECT_NEAR(x_of("/c/scan"), 70.0, 1e-9);
+}
+
+TEST_F(BagReading, TakesOneOfSeveralOdometryTopics) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 5; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back(odometry_message(kCdr, stamp, 30.0, 0.0, 0.0, "/b/odom"));
+    messages.push_back(odometry_message(kCdr, stamp, 20.0, 0.0, 0.0, "/a/filtered"));
+    messages.push_back(odometry_message(kCdr, stamp, 10.0, 0.0, 0.0, "/a/odom"));
+    messages.push_back(scan_message(kCdr, stamp, "/a/scan"));
+  }
+  const auto path = directory_.write("a.mcap", mcap({messages}, ""));
+  EXPECT_NEAR(read(path).scans.at(3).T_odom_laser->x, 10.0, 1e-9);
+  EXPECT_THAT(remarks_, HasSubstr("odometry of /a/odom where tf has none, not of /b/odom, "
+                                  "/a/filtered; --odom chooses"));
+  EXPECT_NEAR(read(path, {.odometry = "/b/odom"}).scans.at(3).T_odom_laser->x, 30.0, 1e-9);
+}
+
+TEST_F(BagReading, PrefersTheOdometryThatItIsToldToTf) {
+  std::vector<WrittenMessage> messages = {
+      tf_message(kCdr, 0.9, {{"base_link", "laser", 0.5, 0.0, 0.0}}, "/tf_static")};
+  for (int i = 0; i < 5; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back(tf_message(kCdr, stamp, {{"odom", "base_link", 0.1 * i, 0.0, 0.0}}));
+    messages.push_back(odometry_message(kCdr, stamp, 7.0, 0.0, 0.0, "/wheels"));
+    messages.push_back(scan_message(kCdr, stamp));
+  }
+  const auto path = directory_.write("a.mcap", mcap({messages}, ""));
+  EXPECT_NEAR(read(path).scans.at(3).T_odom_laser->x, 0.8, 1e-9);
+  EXPECT_NEAR(read(path, {.odometry = "/wheels"}).scans.at(3).T_odom_laser->x, 7.5, 1e-9);
+}
+
+TEST_F(BagReading, TakesAnyFrameAboveTheBaseForOdometry) {
+  for (const char* odometry_frame : {"wheel_odom", "world", "r1/dead_reckoning"}) {
+    SCOPED_TRACE(odometry_frame);
+    std::vector<WrittenMessage> messages = {
+        tf_message(kCdr, 0.9, {{"base_link", "laser", 0.5, 0.0, 0.0}}, "/tf_static")};
+    for (int i = 0; i < 5; ++i) {
+      const double stamp = 1.0 + 0.1 * i;
+      messages.push_back(tf_message(kCdr, stamp, {{odometry_frame, "base_link", 0.1 * i, 0, 0}}));
+      messages.push_back(scan_message(kCdr, stamp));
+    }
+    const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+    ASSERT_THAT(log.scans, SizeIs(5));
+    for (std::size_t i = 0; i < 5; ++i) {
+      ASSERT_TRUE(log.scans[i].T_odom_laser);
+      EXPECT_NEAR(log.scans[i].T_odom_laser->x, 0.1 * static_cast<double>(i) + 0.5, 1e-9);
+    }
+  }
+}
+
+TEST_F(BagReading, TakesNoPartOfTheRobotForOdometry) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 30; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back(tf_message(kCdr, stamp, {{"chassis", "laser", 0.5, 0.0, 0.0}}));
+    messages.push_back(scan_message(kCdr, stamp));
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_THAT(log.scans, SizeIs(30));
+  for (const LogScan& scan : log.scans) EXPECT_FALSE(scan.T_odom_laser);
+  EXPECT_THAT(remarks_, HasSubstr("no odometry for 20 scans in the frame laser"));
+}
+
+TEST_F(BagReading, ConnectsOdometryOfABaseLinkThatIsBelowTheBaseFootprint) {
+  std::vector<WrittenMessage> messages = {tf_message(
+      kCdr, 0.9,
+      {{"base_footprint", "base_link", 0.1, 0.0, 0.0}, {"base_footprint", "laser", 0.6, 0.0, 0.0}},
+      "/tf_static")};
+  for (int i = 0; i < 5; ++i) {
+    messages.push_back(odometry_message(kCdr, 1.0 + 0.1 * i, 0.1 * i, 0.0, 0.0));
+    messages.push_back(scan_message(kCdr, 1.0 + 0.1 * i));
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_THAT(log.scans, SizeIs(5));
+  EXPECT_NEAR(log.scans[4].T_odom_laser->x, 0.4 + 0.5, 1e-9);
+}
+
+TEST_F(BagReading, TakesTheRootAboveTheLaserForABaseThatTfDoesNotKnow) {
+  std::vector<WrittenMessage> messages = {
+      tf_message(kCdr, 0.9, {{"base_footprint", "laser", 0.6, 0.0, 0.0}}, "/tf_static")};
+  for (int i = 0; i < 5; ++i) {
+    messages.push_back(odometry_message(kCdr, 1.0 + 0.1 * i, 0.1 * i, 0.0, 0.0));
+    messages.push_back(scan_message(kCdr, 1.0 + 0.1 * i));
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_THAT(log.scans, SizeIs(5));
+  EXPECT_NEAR(log.scans[4].T_odom_laser->x, 0.4 + 0.6, 1e-9);
+  EXPECT_THAT(remarks_, HasSubstr("no transform from base_link to laser: base_footprint is taken "
+                                  "to be base_link"));
+}
+
+TEST_F(BagReading, SaysWhyNoScanHasOdometry) {
+  std::vector<WrittenMessage> messages = {
+      tf_message(kCdr, 1000.0, {{"base_link", "laser", 0.5, 0.0, 0.0}}, "/tf_static")};
+  for (int i = 0; i < 10; ++i) {
+    const double stamp = 1000.0 + 0.1 * i;
+    messages.push_back(tf_message(kCdr, stamp, {{"odom", "base_link", 0.1 * i, 0.0, 0.0}}));
+    messages.push_back(odometry_message(kCdr, stamp, 0.1 * i, 0.0, 0.0));
+    messages.push_back(scan_message(kCdr, 12.0 + 0.1 * i));  // The driver's uptime.
+    messages.back().received = stamp;
+  }
+  EXPECT_THAT(read(directory_.write("a.mcap", mcap({messages}, ""))).scans, SizeIs(10));
+  EXPECT_EQ(remarks_,
+            "no odometry for 10 scans in the frame laser, stamped 12.000 to 12.900 s; messages of "
+            "/odom from odom to base_link are stamped 1000.000 to 1000.900 s; frames above laser: "
+            "base_link odom; transforms are stamped 1000.000 to 1000.900 s");
+}
+
+// --- bags as they lie ---------------------------------------------------------------------------
+
+/// The same in one list.
+std::vector<WrittenMessage> messages_of(const std::vector<std::vector<WrittenMessage>>& chunks) {
+  std::vector<WrittenMessage> messages;
+  for (const auto& chunk : chunks) messages.insert(messages.end(), chunk.begin(), chunk.end());
+  return messages;
+}
+
+/// A drive in files of a few messages each: "drive_0.db3" and so on.
+void write_split(const std::filesystem::path& directory, std::size_t scans, std::size_t files) {
+  const std::vector<WrittenMessage> messages = messages_of(drive(kCdr, scans));
+  const std::size_t size = messages.size() / files + 1;
+  for (std::size_t i = 0; i * size < messages.size(); ++i) {
+    const auto begin = messages.begin() + static_cast<std::ptrdiff_t>(i * size);
+    const auto end =
+        messages.begin() + static_cast<std::ptrdiff_t>(std::min(messages.size(), (i + 1) * size));
+    write_sqlite_bag(directory / ("drive_" + std::to_string(i) + ".db3"), {begin, end});
+  }
+}
+
+TEST_F(BagReading, ReadsTheFilesOfADirectoryByName) {
+  write_split(directory_.path(), 40, 12);
+  expect_drive(read(directory_.path()), 40);
+  EXPECT_EQ(remarks_, "");
+}
+
+TEST_F(BagReading, ReadsTheFilesThatTheMetadataListsInTheirOrder) {
+  write_split(directory_.path(), 20, 2);
+  std::filesystem::rename(directory_.path() / "drive_0.db3", directory_.path() / "z.db3");
+  directory_.write("metadata.yaml",
+                   "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive/z.db3\n"
+                   "    - drive_1.db3\n    - drive_2.db3\n");
+  expect_drive(read(directory_.path()), 20);
+  EXPECT_EQ(remarks_, "drive_2.db3, listed in metadata.yaml, is missing");
+}
+
+TEST_F(BagReading, ReadsADirectoryOfPackedFiles) {
+  const auto chunks = drive(kCdr, 20);
+  const std::size_t half = chunks.size() / 2;
+  const std::vector<std::vector<WrittenMessage>> first(chunks.begin(), chunks.begin() + half);
+  const std::vector<std::vector<WrittenMessage>> second(chunks.begin() + half, chunks.end());
+  directory_.write("drive_0.mcap.zstd", zstd_packed(mcap(first, "")));
+  directory_.write("drive_1.mcap.zstd", zstd_packed(mcap(second, "lz4")));
+  directory_.write("metadata.yaml",
+                   "rosbag2_bagfile_information:\n  relative_file_paths: [drive_0.mcap, "
+                   "drive_1.mcap]\n  compression_format: zstd\n  compression_mode: FILE\n");
+  expect_drive(read(directory_.path()), 20);
+  EXPECT_EQ(remarks_, "");
+}
+
+TEST_F(BagReading, ReadsPackedMessages) {
+  auto chunks = drive(kCdr, 20);
+  for (auto& chunk : chunks) {
+    for (WrittenMessage& message : chunk) message.bytes = zstd_packed(message.bytes);
+  }
+  expect_drive(read(directory_.write("drive.mcap", mcap(chunks, ""))), 20);
+  const auto path = directory_.path() / "drive_0.db3";
+  write_sqlite_bag(path, messages_of(chunks));
+  expect_drive(read(path), 20);
+  chunks[5].back().bytes.resize(20);
+  EXPECT_THAT(read(directory_.write("drive.mcap", mcap(chunks, ""))).scans, SizeIs(19));
+  EXPECT_EQ(faults_.count(), 1U);
+}
+
+TEST_F(BagReading, SaysWhatIsWrongWithAPackedFile) {
+  const std::string packed = zstd_packed(mcap(drive(kCdr, 20), ""));
+  const auto cut =
+      LogReader::open(directory_.write("a.mcap.zstd", packed.substr(0, packed.size() - 10)));
+  EXPECT_THAT(cut.error().message, HasSubstr("the zstd file is cut off"));
+  const auto text = LogReader::open(directory_.write("a.jsonl.zstd", zstd_packed("{}")));
+  EXPECT_THAT(text.error().message, HasSubstr("is no bag of ROS 2 that can be read"));
+}
+
+TEST_F(BagReading, BeginsANewRunWhenTheClockIsSetBack) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 10; ++i) {
+    const double stamp = i < 5 ? 10000.0 + 0.1 * i : 6400.0 + 0.1 * i;
+    messages.push_back(tf_message(kCdr, stamp, {{"odom", "laser", 0.1 * i, 0.0, 0.0}}));
+    messages.push_back(scan_message(kCdr, stamp));
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_THAT(log.scans, SizeIs(10));
+  EXPECT_EQ(faults_.count(), 0U);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(log.scans[i].begins_run, i == 5);
+    ASSERT_TRUE(log.scans[i].T_odom_laser) << i;
+    EXPECT_NEAR(log.scans[i].T_odom_laser->x, 0.1 * static_cast<double>(i), 1e-6);
+  }
+  EXPECT_NEAR(log.scans[5].scan.stamp, log.scans[4].scan.stamp + 600.0, 1e-6);
+  EXPECT_NEAR(log.scans[6].scan.stamp, log.scans[5].scan.stamp + 0.1, 1e-6);
+  EXPECT_THAT(remarks_, HasSubstr("the clock was set back 1 times"));
 }
 
 TEST_F(BagReading, SaysWhatIsWrongWithAFileThatIsNoBag) {
@@ -270,7 +623,9 @@ TEST_F(BagReading, SaysWhatIsWrongWithAFileThatIsNoBag) {
               HasSubstr("the first at byte 8: a record that is cut off"));
   EXPECT_THAT(message_of("a.db3", std::string("SQLite format 3\0nothing else", 28)),
               HasSubstr("is no bag of ROS 2 that can be read"));
-  EXPECT_THAT(LogReader::open(directory_.path()).error().message, HasSubstr("is a directory"));
+  std::filesystem::create_directory(directory_.path() / "empty");
+  EXPECT_THAT(LogReader::open(directory_.path() / "empty").error().message,
+              HasSubstr("is a directory without the files of a bag"));
 }
 
 TEST_F(BagReading, SurvivesEveryCutAndEveryFlippedByte) {

@@ -12,6 +12,8 @@ namespace cornerfix::cli {
 
 namespace {
 
+constexpr std::uint32_t kIndexEntryBytes = 12;
+
 std::string compressed(const std::string& compression, const std::string& text) {
   std::string packed(text.size() * 2 + 1000, '\0');
   if (compression == "bz2") {
@@ -112,6 +114,14 @@ std::string mcap_chunk(const std::string& records, const std::string& compressio
 
 }  // namespace
 
+std::string index_record(std::uint32_t entries, std::uint32_t claimed_bytes) {
+  return WireWriter()
+      .text(field("op", "\x04") + field("ver", as_bytes(std::uint32_t{1})) +
+            field("conn", as_bytes(std::uint32_t{0})) + field("count", as_bytes(entries)))
+      .number(claimed_bytes)
+      .bytes();
+}
+
 std::string ros1_bag(const std::vector<std::vector<WrittenMessage>>& chunks,
                      const std::string& compression) {
   std::string bag = "#ROSBAG V2.0\n";
@@ -130,7 +140,9 @@ std::string ros1_bag(const std::vector<std::vector<WrittenMessage>>& chunks,
     bag += record(field("op", "\x05") + field("compression", compression) +
                       field("size", as_bytes(static_cast<std::uint32_t>(chunk.size()))),
                   compressed(compression, chunk));
-    bag += record(field("op", "\x04") + field("ver", as_bytes(std::uint32_t{1})), "index");
+    const auto entries = static_cast<std::uint32_t>(messages.size());
+    bag += index_record(entries, entries * kIndexEntryBytes) +
+           std::string(entries * kIndexEntryBytes, '\0');
   }
   return bag;
 }
@@ -153,6 +165,8 @@ std::string mcap(const std::vector<std::vector<WrittenMessage>>& chunks,
   file += mcap_record(0x0f, as_bytes(std::uint32_t{0}));
   return file + mcap_record(0x02, std::string(20, '\0')) + magic;
 }
+
+std::string zstd_packed(const std::string& text) { return compressed("zstd", text); }
 
 void write_sqlite_bag(const std::filesystem::path& path,
                       const std::vector<WrittenMessage>& messages) {

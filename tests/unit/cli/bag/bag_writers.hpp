@@ -21,9 +21,15 @@ struct WrittenMessage {
 [[nodiscard]] std::string ros1_bag(const std::vector<std::vector<WrittenMessage>>& chunks,
                                    const std::string& compression);
 
+/// What stands in front of the entries of a chunk's index in a bag of ROS 1.
+[[nodiscard]] std::string index_record(std::uint32_t entries, std::uint32_t claimed_bytes);
+
 /// The same for MCAP with none (as ""), lz4 or zstd. All messages are CDR.
 [[nodiscard]] std::string mcap(const std::vector<std::vector<WrittenMessage>>& chunks,
                                const std::string& compression);
+
+/// A text as a frame of zstd.
+[[nodiscard]] std::string zstd_packed(const std::string& text);
 
 /// A .db3 file.
 void write_sqlite_bag(const std::filesystem::path& path,

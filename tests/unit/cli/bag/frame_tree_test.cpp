@@ -20,7 +20,6 @@ StampedTransform moved(double stamp, std::string parent, std::string child, doub
 
 constexpr auto kStatic = FrameTree::Origin::kStatic;
 constexpr auto kTf = FrameTree::Origin::kTf;
-constexpr auto kOdometry = FrameTree::Origin::kOdometry;
 
 TEST(FrameTree, InterpolatesBetweenStampsTheShortWayRound) {
   FrameTree frames;
@@ -29,8 +28,8 @@ TEST(FrameTree, InterpolatesBetweenStampsTheShortWayRound) {
   const auto found = frames.find("odom", "laser", 1.5);
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->is_final);
-  EXPECT_NEAR(found->T_ancestor_frame.translation().x(), 2.5, 1e-12);
-  EXPECT_NEAR(found->T_ancestor_frame(0, 0), std::cos(std::numbers::pi), 1e-9);
+  EXPECT_NEAR(found->T.translation().x(), 2.5, 1e-12);
+  EXPECT_NEAR(found->T(0, 0), std::cos(std::numbers::pi), 1e-9);
 }
 
 TEST(FrameTree, HoldsTheLastTransformForAMomentOnly) {
@@ -58,14 +57,28 @@ TEST(FrameTree, FindsFramesWithPrefixAndSuffix) {
   EXPECT_FALSE(frames.find("map", "robot/laser", 7.0));
 }
 
-TEST(FrameTree, PrefersTfToOdometryMessages) {
+TEST(FrameTree, ConnectsFramesByTheFirstOneAboveBoth) {
   FrameTree frames;
-  frames.add(moved(1.0, "odom", "base_link", 1.0), kOdometry);
-  frames.add(moved(1.0, "odom", "base_link", 2.0), kTf);
-  frames.add(moved(1.1, "odom", "base_link", 3.0), kOdometry);
-  const auto found = frames.find("odom", "base_link", 1.0);
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->T_ancestor_frame.translation().x(), 2.0);
+  frames.add(moved(1.0, "base_footprint", "base_link", 0.1), kStatic);
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
+  frames.add(moved(1.0, "base_link", "arm", -0.2), kStatic);
+  EXPECT_NEAR(frames.between("arm", "laser", 1.0)->T.translation().x(), 0.5, 1e-12);
+  EXPECT_NEAR(frames.between("laser", "base_footprint", 1.0)->T.translation().x(), -0.4, 1e-12);
+  EXPECT_FALSE(frames.between("camera", "laser", 1.0));
+}
+
+TEST(FrameTree, KnowsInWhichFrameAFrameHasMoved) {
+  FrameTree frames;
+  frames.add(moved(1.0, "world", "base_link", 0.0), kTf);
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kTf);
+  frames.add(moved(1.1, "world", "base_link", 0.1), kTf);
+  frames.add(moved(1.1, "base_link", "laser", 0.3), kTf);
+  const auto above = frames.ancestors("laser", 1.1);
+  ASSERT_EQ(above.size(), 3U);
+  EXPECT_FALSE(above[1].has_moved);
+  EXPECT_EQ(above[2].name, "world");
+  EXPECT_TRUE(above[2].has_moved);
+  EXPECT_NEAR(above[2].T_ancestor_frame->T.translation().x(), 0.4, 1e-12);
 }
 
 TEST(FrameTree, ComesToAnEndInACycle) {
@@ -81,7 +94,7 @@ TEST(FrameTree, StartsAnewWhenTheClockWasSetBack) {
   frames.add(moved(5.0, "odom", "laser", 2.0), kTf);
   const auto found = frames.find("odom", "laser", 5.0);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->T_ancestor_frame.translation().x(), 2.0);
+  EXPECT_EQ(found->T.translation().x(), 2.0);
 }
 
 }  // namespace

@@ -64,22 +64,80 @@ class WireWriter {
   std::string bytes_;
 };
 
-/// -1, 0 and 1 rad, 0.1 to 20 m.
+struct WrittenGeometry {
+  float angle_min = -1.0F;
+  float angle_increment = 1.0F;
+  float range_max = 20.0F;
+};
+
+/// All of a scan in front of its ranges.
+inline void begin_scan(WireWriter& writer, double stamp, std::string_view frame,
+                       const WrittenGeometry& geometry) {
+  writer.header(stamp, frame);
+  for (const float value :
+       {geometry.angle_min, 1.0F, geometry.angle_increment, 0.0F, 0.1F, 0.1F, geometry.range_max}) {
+    writer.number(value);
+  }
+}
+
+/// -1, 0 and 1 rad, 0.1 to 20 m, when not said otherwise.
 [[nodiscard]] inline std::string laser_scan(WireFormat format, double stamp,
                                             std::vector<float> ranges,
-                                            std::string_view frame = "laser") {
+                                            std::string_view frame = "laser",
+                                            const WrittenGeometry& geometry = {}) {
   WireWriter writer(format);
-  writer.header(stamp, frame);
-  for (const float value : {-1.0F, 1.0F, 1.0F, 0.0F, 0.1F, 0.1F, 20.0F}) writer.number(value);
+  begin_scan(writer, stamp, frame, geometry);
   writer.number(static_cast<std::uint32_t>(ranges.size()));
   for (const float range : ranges) writer.number(range);
   return writer.number(std::uint32_t{0}).bytes();
 }
 
-[[nodiscard]] inline std::string odometry(WireFormat format, double stamp, double x, double y,
-                                          double yaw) {
+/// Of a MultiEchoLaserScan.
+[[nodiscard]] inline std::string multi_echo_scan(WireFormat format, double stamp,
+                                                 const std::vector<std::vector<float>>& echoes) {
   WireWriter writer(format);
-  writer.header(stamp, "odom").text("base_link").pose(x, y, yaw);
+  begin_scan(writer, stamp, "laser", {});
+  writer.number(static_cast<std::uint32_t>(echoes.size()));
+  for (const std::vector<float>& beam : echoes) {
+    writer.number(static_cast<std::uint32_t>(beam.size()));
+    for (const float echo : beam) writer.number(echo);
+  }
+  return writer.number(std::uint32_t{0}).bytes();
+}
+
+struct WrittenPoint {
+  float x = 0.0F;
+  float y = 0.0F;
+  float z = 0.0F;
+};
+
+/// Of a PointCloud2 of one row: intensity, x, y and z as float32.
+[[nodiscard]] inline std::string point_cloud(WireFormat format, double stamp,
+                                             const std::vector<WrittenPoint>& points,
+                                             std::string_view frame = "laser") {
+  constexpr std::uint8_t kFloat32 = 7;
+  WireWriter writer(format);
+  writer.header(stamp, frame);
+  const auto width = static_cast<std::uint32_t>(points.size());
+  writer.number(std::uint32_t{1}).number(width).number(std::uint32_t{4});
+  std::uint32_t offset = 0;
+  for (const char* name : {"intensity", "x", "y", "z"}) {
+    writer.text(name).number(offset).number(kFloat32).number(std::uint32_t{1});
+    offset += sizeof(float);
+  }
+  writer.number(std::uint8_t{0}).number(offset).number(offset * width).number(offset * width);
+  std::string data;
+  for (const WrittenPoint& point : points) {
+    data += WireWriter().number(1.0F).number(point.x).number(point.y).number(point.z).bytes();
+  }
+  return writer.raw(data).number(std::uint8_t{1}).bytes();
+}
+
+[[nodiscard]] inline std::string odometry(WireFormat format, double stamp, double x, double y,
+                                          double yaw, std::string_view parent = "odom",
+                                          std::string_view child = "base_link") {
+  WireWriter writer(format);
+  writer.header(stamp, parent).text(child).pose(x, y, yaw);
   for (int i = 0; i < 36 + 6 + 36; ++i) writer.number(0.0);
   return writer.bytes();
 }

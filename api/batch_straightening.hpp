@@ -1,0 +1,14 @@
+/// \file  Straightens the scans of a batch that were taken beam by beam.
+#pragma once
+
+#include <vector>
+
+#include "api/scan_batch.hpp"
+
+namespace cornerfix::api {
+
+/// By the motion to the next scan of the batch, or else from the one before: of `odom`, or else of
+/// `pose`. A scan whose motion is not known stays as it is.
+void straighten(std::vector<BatchScan>& scans, const Pose2& T_base_link_laser);
+
+}  // namespace cornerfix::api
