@@ -1,7 +1,9 @@
 #include "server/http_server.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <ctime>
@@ -45,7 +47,8 @@ using SteadyClock = std::chrono::steady_clock;
 constexpr std::size_t kKeepAliveRequests = 1'000'000;
 constexpr std::chrono::seconds kHeartbeat{5};
 constexpr std::size_t kStreamedRequests = 16;
-constexpr std::size_t kMaxTargetLength = 2048;  // The library matches paths by recursion.
+constexpr std::size_t kReservedDescriptors = 128;  // For the database and files.
+constexpr std::size_t kMaxTargetLength = 2048;     // The library matches paths by recursion.
 
 /// The library's server without its sockets: it parses requests and writes answers.
 class LibraryServer final : public httplib::Server {
@@ -95,6 +98,14 @@ bool is_cross_site(const httplib::Request& raw) {
 
 Response uri_too_long() {
   return problem_response(414, "uri_too_long", "The request target is too long.");
+}
+
+/// Connections may not take the descriptors that the database needs.
+std::size_t possible_connections(std::size_t wanted) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return wanted;
+  const std::size_t descriptors = limit.rlim_cur;
+  return std::min(wanted, descriptors - std::min(descriptors - 1, kReservedDescriptors));
 }
 
 }  // namespace
@@ -231,7 +242,7 @@ void HttpServer::Impl::set_up_http() {
 void HttpServer::Impl::open_connections(ListenSocket listener) {
   connections.emplace(
       std::move(listener),
-      ConnectionLimits{.connections = config.max_connections,
+      ConnectionLimits{.connections = possible_connections(config.max_connections),
                        .connections_per_address = config.max_connections_per_address,
                        .streamed_requests = kStreamedRequests,
                        .idle_timeout = std::chrono::seconds(config.keep_alive_timeout_s),

@@ -1,5 +1,6 @@
 // What holds for every call: paths, methods, bodies, limits, headers, connections.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <deque>
 
@@ -398,6 +399,19 @@ TEST_F(HttpRulesTest, IsNotReadyWithoutItsDatabaseOrRoomForIt) {
   expect_problem(deleted, 503);
   EXPECT_THAT(deleted.json()["detail"], HasSubstr("deleted or replaced"));
   EXPECT_TRUE(is_alive());
+}
+
+TEST_F(HttpRulesTest, LeavesDescriptorsToTheDatabase) {
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  rlimit low = limit;
+  low.rlim_cur = 129;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &low), 0);
+  testing::TestServer server(directory_ / "low.db");
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
+  testing::RawConnection holder(server.port());
+  testing::RawConnection second(server.port());
+  EXPECT_THAT(second.read_to_end(), StartsWith("HTTP/1.1 503"));
 }
 
 TEST_F(HttpRulesTest, TurnsConnectionsAwayAboveItsLimit) {
