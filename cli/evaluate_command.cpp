@@ -295,8 +295,8 @@ Result<void> write_explanation(const std::filesystem::path& directory,
   const std::string stem =
       (directory / ("start_" + std::to_string(explanation.record.start))).string();
   const nlohmann::ordered_json json = explanation_json(explanation, right_map);
-  const Result<void> written = write_file(
-      stem + ".json", std::ios::out, [&](std::ostream& file) { file << json.dump(1) << '\n'; });
+  Result<void> written = write_file(stem + ".json", std::ios::out,
+                                    [&](std::ostream& file) { file << json.dump(1) << '\n'; });
   if (!written || !explanation.decision) return written;
   const std::string png = draw_decision(*explanation.decision, right_map).encode();
   return write_file(stem + ".png", std::ios::out | std::ios::binary,

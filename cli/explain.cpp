@@ -103,7 +103,7 @@ nlohmann::ordered_json classes_json(const Counts& counts, const Weights& weights
   return classes;
 }
 
-nlohmann::ordered_json pose_array(const Pose2& pose) { return {pose.x, pose.y, pose.yaw}; }
+nlohmann::ordered_json pose_values(const Pose2& pose) { return {pose.x, pose.y, pose.yaw}; }
 
 nlohmann::ordered_json pose_json(const RankedHypothesis& pose, const Pose2& reference,
                                  const LocalizationMap* right_map) {
@@ -112,7 +112,7 @@ nlohmann::ordered_json pose_json(const RankedHypothesis& pose, const Pose2& refe
   const EvidenceScore& score = pose.evidence;
   return {
       {"map", pose.map->name()},
-      {"pose", pose_array(pose.T_map_base_link)},
+      {"pose", pose_values(pose.T_map_base_link)},
       {"correct", in_right_map && evaluation::is_correct(error)},
       {"err", {error.m, error.rad * kDegreesPerRadian}},
       {"hits", score.ends},
@@ -131,7 +131,7 @@ nlohmann::ordered_json decision_json(const Decision& decision, const Localizatio
                               {"reason", to_string(decision.answer.reason)},
                               {"confidence", decision.answer.confidence},
                               {"submap_scans", decision.submap.size()},
-                              {"reference", pose_array(decision.reference)},
+                              {"reference", pose_values(decision.reference)},
                               {"poses", nlohmann::ordered_json::array()}};
   for (const RankedHypothesis& pose : decision.poses)
     json["poses"].push_back(pose_json(pose, decision.reference, right_map));

@@ -1,14 +1,11 @@
 // Scenes of one large room.
 #include <algorithm>
-#include <numbers>
 
 #include "evaluation/simulation/scene_kinds.hpp"
 
 namespace cornerfix::evaluation {
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void draw_columns(SceneCanvas& canvas, SeededRandom& layout) {
   const Point2 pitch{layout.uniform(5.0, 14.0), layout.uniform(5.0, 14.0)};
@@ -75,7 +72,7 @@ void draw_glazed_rooms(SceneCanvas& canvas, SceneSeeds& seeds, const Glazing& gl
 
 }  // namespace
 
-OccupancyGrid hall_scene(SceneSeeds seeds) {
+OccupancyGrid hall_scene(SceneSeeds& seeds) {
   SeededRandom& layout = seeds.layout;
   SceneCanvas canvas = seeds.canvas({40.0, 28.0}, {100.0, 70.0}, Cell::kFree);
   const double wall_m = layout.uniform(0.2, 0.6);
@@ -88,7 +85,7 @@ OccupancyGrid hall_scene(SceneSeeds seeds) {
   return canvas.take();
 }
 
-OccupancyGrid glass_scene(SceneSeeds seeds) {
+OccupancyGrid glass_scene(SceneSeeds& seeds) {
   SeededRandom& layout = seeds.layout;
   SceneCanvas canvas = seeds.canvas({22.0, 16.0}, {45.0, 30.0}, Cell::kFree);
   const double wall_m = layout.uniform(0.15, 0.4);

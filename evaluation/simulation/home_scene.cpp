@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numbers>
 #include <vector>
 
 #include "evaluation/simulation/scene_kinds.hpp"
@@ -8,14 +7,13 @@ namespace cornerfix::evaluation {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kClearOfDoor = 0.9;  // [m] without furniture, so that a robot gets through
+constexpr double kDoorClearance = 0.9;  // [m] without furniture, so that a robot gets through
 
 /// Divides a flat into rooms until they are small, with a door in each wall between two.
 class Flat {
  public:
-  explicit Flat(SceneSeeds seeds)
-      : seeds_(std::move(seeds)),
+  explicit Flat(SceneSeeds& seeds)
+      : seeds_(seeds),
         canvas_(seeds_.canvas({8.0, 7.0}, {16.0, 12.0}, Cell::kFree)),
         wall_m_(seeds_.layout.uniform(0.08, 0.25)),
         room_m_(seeds_.layout.uniform(3.2, 5.0)) {}
@@ -109,7 +107,7 @@ class Flat {
   void put(const PlanArea& area) {
     const bool blocks = std::ranges::any_of(doors_, [&](const Door& door) {
       const Point2 nearest = door.center.cwiseMax(area.low).cwiseMin(area.high);
-      return (nearest - door.center).norm() < kClearOfDoor;
+      return (nearest - door.center).norm() < kDoorClearance;
     });
     if (!blocks) canvas_.area(area, Cell::kOccupied);
   }
@@ -118,7 +116,7 @@ class Flat {
     canvas_.box({door.center.x(), door.center.y(), 0.0}, Point2::Constant(door.width), Cell::kFree);
   }
 
-  SceneSeeds seeds_;
+  SceneSeeds& seeds_;
   SceneCanvas canvas_;
   double wall_m_;
   double room_m_;
@@ -128,6 +126,6 @@ class Flat {
 
 }  // namespace
 
-OccupancyGrid home_scene(SceneSeeds seeds) { return Flat(std::move(seeds)).draw(); }
+OccupancyGrid home_scene(SceneSeeds& seeds) { return Flat(seeds).draw(); }
 
 }  // namespace cornerfix::evaluation

@@ -43,6 +43,7 @@ std::string_view to_string(OdometryFaultKind kind) {
 const std::vector<OdometryFaultKind>& all_odometry_faults() {
   static const std::vector<OdometryFaultKind> kinds = [] {
     std::vector<OdometryFaultKind> all;
+    all.reserve(kNames.size());
     for (const auto& [kind, name] : kNames) all.push_back(kind);
     return all;
   }();
@@ -51,6 +52,7 @@ const std::vector<OdometryFaultKind>& all_odometry_faults() {
 
 std::vector<std::string> odometry_fault_names() {
   std::vector<std::string> names;
+  names.reserve(kNames.size());
   for (const auto& [kind, name] : kNames) names.emplace_back(name);
   return names;
 }

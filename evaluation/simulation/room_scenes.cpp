@@ -1,6 +1,5 @@
 // Scenes of equal rooms along corridors.
 #include <algorithm>
-#include <numbers>
 
 #include "evaluation/simulation/scene_kinds.hpp"
 
@@ -8,7 +7,6 @@ namespace cornerfix::evaluation {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDoorWidth = 0.95;   // [m]
 constexpr double kClearOfDoor = 0.9;  // [m] without furniture, so that a robot gets through
 
@@ -194,7 +192,7 @@ void draw_ring(SceneCanvas& canvas, RoomDrawer& rooms, const PlanArea& inner, co
 
 }  // namespace
 
-OccupancyGrid corridors_scene(SceneSeeds seeds) {
+OccupancyGrid corridors_scene(SceneSeeds& seeds) {
   SeededRandom& layout = seeds.layout;
   CorridorPlan plan;
   plan.wall_m = layout.uniform(0.1, 0.3);
@@ -215,7 +213,7 @@ OccupancyGrid corridors_scene(SceneSeeds seeds) {
   return canvas.take();
 }
 
-OccupancyGrid office_scene(SceneSeeds seeds) {
+OccupancyGrid office_scene(SceneSeeds& seeds) {
   SeededRandom& layout = seeds.layout;
   CorridorPlan plan;
   plan.wall_m = layout.uniform(0.08, 0.2);

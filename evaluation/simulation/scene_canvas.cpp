@@ -45,8 +45,8 @@ std::vector<std::size_t> free_space_from(const OccupancyGrid& grid, std::size_t 
     seen[cell] = true;
     reached.push_back(cell);
   };
-  for (std::size_t next = 0; next < reached.size(); ++next) {
-    const std::size_t cell = reached[next];
+  for (std::size_t next = 0; next < reached.size();) {
+    const std::size_t cell = reached[next++];
     visit(cell % width > 0, cell - 1);
     visit(cell % width + 1 < width, cell + 1);
     visit(cell >= width, cell - width);

@@ -1,12 +1,16 @@
 /// \file  One function per kind of scene, and what they share; private to the generator.
 #pragma once
 
+#include <numbers>
+
 #include <cornerfix/occupancy_grid.hpp>
 
 #include "evaluation/simulation/scene_canvas.hpp"
 #include "evaluation/simulation/seeded_random.hpp"
 
 namespace cornerfix::evaluation {
+
+inline constexpr double kPi = std::numbers::pi;
 
 /// What a kind draws from. `layout` never depends on how much is drawn from `change`.
 struct SceneSeeds {
@@ -29,12 +33,12 @@ struct SceneSeeds {
 void draw_landmarks(SceneCanvas& canvas, SeededRandom& layout, const PlanArea& area,
                     double metres_each);
 
-[[nodiscard]] OccupancyGrid warehouse_scene(SceneSeeds seeds);
-[[nodiscard]] OccupancyGrid yard_scene(SceneSeeds seeds);
-[[nodiscard]] OccupancyGrid corridors_scene(SceneSeeds seeds);
-[[nodiscard]] OccupancyGrid office_scene(SceneSeeds seeds);
-[[nodiscard]] OccupancyGrid home_scene(SceneSeeds seeds);
-[[nodiscard]] OccupancyGrid hall_scene(SceneSeeds seeds);
-[[nodiscard]] OccupancyGrid glass_scene(SceneSeeds seeds);
+[[nodiscard]] OccupancyGrid warehouse_scene(SceneSeeds& seeds);
+[[nodiscard]] OccupancyGrid yard_scene(SceneSeeds& seeds);
+[[nodiscard]] OccupancyGrid corridors_scene(SceneSeeds& seeds);
+[[nodiscard]] OccupancyGrid office_scene(SceneSeeds& seeds);
+[[nodiscard]] OccupancyGrid home_scene(SceneSeeds& seeds);
+[[nodiscard]] OccupancyGrid hall_scene(SceneSeeds& seeds);
+[[nodiscard]] OccupancyGrid glass_scene(SceneSeeds& seeds);
 
 }  // namespace cornerfix::evaluation

@@ -12,7 +12,7 @@ namespace {
 struct NamedScene {
   SceneKind kind;
   std::string_view name;
-  OccupancyGrid (*make)(SceneSeeds);
+  OccupancyGrid (*make)(SceneSeeds&);
 };
 
 constexpr std::array<NamedScene, 7> kScenes{{{SceneKind::kWarehouse, "warehouse", warehouse_scene},
@@ -52,6 +52,7 @@ std::string_view to_string(SceneKind kind) { return scene_of(kind).name; }
 const std::vector<SceneKind>& all_scene_kinds() {
   static const std::vector<SceneKind> kinds = [] {
     std::vector<SceneKind> all;
+    all.reserve(kScenes.size());
     for (const NamedScene& scene : kScenes) all.push_back(scene.kind);
     return all;
   }();
@@ -61,8 +62,9 @@ const std::vector<SceneKind>& all_scene_kinds() {
 OccupancyGrid make_scene(SceneKind kind, std::uint64_t layout_seed, std::uint64_t change_seed) {
   const auto stream = static_cast<std::uint32_t>(kind);
   // The change depends on the layout seed as well, or all layouts would change alike.
-  SeededRandom change(change_seed * 0x9e3779b97f4a7c15ULL + layout_seed, 100 + stream);
-  return scene_of(kind).make({SeededRandom(layout_seed, stream), std::move(change)});
+  const std::uint64_t change = change_seed * 0x9e3779b97f4a7c15ULL + layout_seed;
+  SceneSeeds seeds{SeededRandom(layout_seed, stream), SeededRandom(change, 100 + stream)};
+  return scene_of(kind).make(seeds);
 }
 
 }  // namespace cornerfix::evaluation

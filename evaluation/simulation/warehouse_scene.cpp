@@ -39,8 +39,8 @@ RackPlan rack_plan(SeededRandom& layout) {
 
 class Warehouse {
  public:
-  explicit Warehouse(SceneSeeds seeds)
-      : seeds_(std::move(seeds)),
+  explicit Warehouse(SceneSeeds& seeds)
+      : seeds_(seeds),
         racks_(rack_plan(seeds_.layout)),
         canvas_(seeds_.canvas({60.0, 45.0}, {120.0, 90.0}, Cell::kFree)) {}
 
@@ -165,7 +165,7 @@ class Warehouse {
     }
   }
 
-  SceneSeeds seeds_;
+  SceneSeeds& seeds_;
   RackPlan racks_;
   SceneCanvas canvas_;
   PlanArea office_;
@@ -173,6 +173,6 @@ class Warehouse {
 
 }  // namespace
 
-OccupancyGrid warehouse_scene(SceneSeeds seeds) { return Warehouse(std::move(seeds)).draw(); }
+OccupancyGrid warehouse_scene(SceneSeeds& seeds) { return Warehouse(seeds).draw(); }
 
 }  // namespace cornerfix::evaluation

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "evaluation/simulation/scene_kinds.hpp"
@@ -9,14 +8,12 @@ namespace cornerfix::evaluation {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRim = 4.0;  // [m] along the border without anything
 
 class Yard {
  public:
-  explicit Yard(SceneSeeds seeds)
-      : seeds_(std::move(seeds)),
-        canvas_(seeds_.canvas({110.0, 90.0}, {200.0, 150.0}, Cell::kFree)) {}
+  explicit Yard(SceneSeeds& seeds)
+      : seeds_(seeds), canvas_(seeds_.canvas({110.0, 90.0}, {200.0, 150.0}, Cell::kFree)) {}
 
   OccupancyGrid draw() {
     draw_buildings();
@@ -148,13 +145,13 @@ class Yard {
     canvas_.box(T_plan_bay * parked, size);
   }
 
-  SceneSeeds seeds_;
+  SceneSeeds& seeds_;
   SceneCanvas canvas_;
   std::vector<Round> buildings_;
 };
 
 }  // namespace
 
-OccupancyGrid yard_scene(SceneSeeds seeds) { return Yard(std::move(seeds)).draw(); }
+OccupancyGrid yard_scene(SceneSeeds& seeds) { return Yard(seeds).draw(); }
 
 }  // namespace cornerfix::evaluation
