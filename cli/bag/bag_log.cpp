@@ -166,7 +166,7 @@ class BagLog final : public LogSource {
     }
   }
 
-  /// Whether what is to come can no longer tell more of the scan's place, or may not be waited for.
+  /// Whether what is to come cannot change the pose of the scan, or may not be waited for.
   [[nodiscard]] bool is_ready(const WaitingScan& scan) const {
     if (is_at_end_ || waiting_.size() > kMaxWaiting) return true;
     if (now_ - scan.received > kMaxWaitSeconds) return true;

@@ -235,11 +235,13 @@ constexpr Case kWrongScans[] = {
      "/scans/0/odom/pose/pose/orientation"},
     {"RosOdometryOfNoRotation",
      R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {"pose": {"pose": {
-          "position": {"x": 0, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 0}}}}})",
+          "position": {"x": 0, "y": 0, "z": 0},
+          "orientation": {"x": 0, "y": 0, "z": 0, "w": 0}}}}})",
      422, "/scans/0/odom/pose/pose/orientation"},
     {"RosOdometryOffTheEarth",
      R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {"pose": {"pose": {
-          "position": {"x": 1e12, "y": 0, "z": 0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}}}})",
+          "position": {"x": 1e12, "y": 0, "z": 0},
+          "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}}}})",
      422, "/scans/0/odom/pose/pose/position"},
     {"UnknownMemberOfRosOdometry",
      R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {"pose": {"pose": {

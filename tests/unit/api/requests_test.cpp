@@ -90,7 +90,7 @@ TEST(SessionScans, TakeNullOdometryAsNone) {
   EXPECT_FALSE(request.scans.at(0).T_odom_base_link.has_value());
 }
 
-TEST(SessionScans, TakeUnusedMembersOfALaserScanWhateverTheyHold) {
+TEST(SessionScans, TakeUnusedMembersOfALaserScanOfAnyType) {
   const auto request = session_scans(
       R"({"stamp": 1, "ranges": [1, 2, 3], "intensities": [1, "x", {"y": [null]}],
           "angle_max": null, "scan_time": {},
@@ -192,7 +192,7 @@ TEST(SessionScans, TakeAnyNumberOfRangesWhenTheLidarHasNoBeams) {
   EXPECT_THAT(request.scans.at(1).scan.ranges, ElementsAre(1.0F));
 }
 
-TEST(SessionScans, TakeAScanWithItsOwnAnglesWhateverBeamsTheLidarHas) {
+TEST(SessionScans, TakeAnyNumberOfRangesOfAScanWithItsOwnAngles) {
   const auto request =
       session_scans(R"({"stamp": 1, "angle_min": -1, "angle_increment": 0.25, "ranges": [1, 2]})");
   EXPECT_THAT(request.scans.at(0).scan.ranges, ElementsAre(1.0F, 2.0F));

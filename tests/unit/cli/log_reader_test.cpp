@@ -200,7 +200,7 @@ TEST_F(LogReading, BeginsANewRunWhenTheClockIsSetBack) {
   EXPECT_THAT(remarks(*reader), HasSubstr("by 3600.000000 s to 1400.000000 s"));
 }
 
-TEST_F(LogReading, TellsWhenMostScansWereLeftOut) {
+TEST_F(LogReading, ReportsThatMostScansWereLeftOut) {
   const std::string good = R"({"t": 1, "ranges": [1, 1, 1]})"
                            "\n";
   const std::string bad = R"({"t": 2, "ranges": [1, 1]})"

@@ -422,7 +422,7 @@ TEST_F(BagReading, TakesOneOfSeveralOdometryTopics) {
   EXPECT_NEAR(read(path, {.odometry = "/b/odom"}).scans.at(3).T_odom_laser->x, 30.0, 1e-9);
 }
 
-TEST_F(BagReading, PrefersTheOdometryThatItIsToldToTf) {
+TEST_F(BagReading, PrefersTheChosenOdometryToTf) {
   std::vector<WrittenMessage> messages = {
       tf_message(kCdr, 0.9, {{"base_link", "laser", 0.5, 0.0, 0.0}}, "/tf_static")};
   for (int i = 0; i < 5; ++i) {
