@@ -140,7 +140,7 @@ void make_map(HttpClient& client) {
   for (std::size_t at = 0; at < log.scans.size(); at += kMappingBatch) {
     auto scans = nlohmann::ordered_json::array();
     for (std::size_t i = at; i < std::min(at + kMappingBatch, log.scans.size()); ++i) {
-      scans.push_back(posed_scan_json(log.scans[i]));
+      scans.push_back(posed_scan_json(log.header, log.scans[i]));
     }
     value_of(client.send({"POST", std::string(kMap) + "/scans",
                           nlohmann::ordered_json{{"lidar", lidar}, {"scans", scans}}.dump()}));
@@ -162,7 +162,8 @@ FleetDrive fleet_drive(std::size_t scans) {
                                  .step_m = kStep,
                                  .seed = 2});
   FleetDrive fleet{lidar_json(log.header), {}};
-  for (const LogScan& scan : log.scans) fleet.scans.push_back(robot_scan_json(scan, true).dump());
+  for (const LogScan& scan : log.scans)
+    fleet.scans.push_back(robot_scan_json(log.header, scan, true).dump());
   return fleet;
 }
 

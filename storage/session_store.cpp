@@ -122,8 +122,8 @@ SessionRecord read_record(Database& database, const Statement& row) {
   record.options_json = row.text(5);
   record.expected_sequence = row.number(6);
   record.last_answer = row.text(7);
-  record.last_used = row.text(10);
-  record.last_batch = row.number(11);
+  record.last_used = row.text(9);
+  record.last_batch = row.number(10);
   return record;
 }
 

@@ -164,7 +164,7 @@ TEST_F(SessionsApiTest, TakesScansWhoseNumberOfBeamsVaries) {
   Json batch = testing::session_batch(drive_, 1);
   batch["scans"][1]["ranges"].erase(5);
   batch["scans"][2]["ranges"].push_back(1.0);
-  batch["scans"][3].update({{"angle_min", -1.0}, {"angle_increment", 0.5}, {"ranges", {1, 2, 3}}});
+  batch["scans"][0].update({{"angle_min", -1.0}, {"angle_increment", 0.5}, {"ranges", {1, 2, 3}}});
   const Reply reply = post(id, batch);
   EXPECT_EQ(reply.status, 200) << reply.body;
 }
