@@ -21,6 +21,8 @@ Json localized_pose_json(const LocalizedPose& pose, double stamp) {
   json.update(pose_json(pose.T_map_base_link));
   json["covariance"] = Json::array();
   for (const double entry : pose.covariance) json["covariance"].push_back(number(entry));
+  json["epoch"] = pose.epoch;
+  json["confirmed"] = pose.confirmed;
   return json;
 }
 
@@ -122,6 +124,8 @@ Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
     json["hypotheses"].push_back(hypothesis_json(hypothesis));
   }
   json["reason"] = answer.reason == Reason::kNone ? Json(nullptr) : Json(to_string(answer.reason));
+  json["odometry"] =
+      answer.odometry == OdometryUse::kNone ? Json(nullptr) : Json(to_string(answer.odometry));
   json["local"] = {{"scans", answer.local_scans},
                    {"features", answer.local_features},
                    {"pose", pose_json(answer.T_submap_base_link)}};

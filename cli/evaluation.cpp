@@ -102,7 +102,8 @@ class Drive {
     if (!options_.sample) return;
     record_.samples.push_back(
         {record_.driven_m, nearest_mapping(scan), right, best.evidence,
-         answer.hypotheses.size() > 1 ? answer.hypotheses[1].evidence : EvidenceScore{}});
+         answer.hypotheses.size() > 1 ? answer.hypotheses[1].evidence : EvidenceScore{},
+         answer.terms});
   }
 
   Answer take(const LogScan& scan) {

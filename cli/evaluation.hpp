@@ -55,6 +55,7 @@ struct DecisionSample {
   bool right = false;   ///< Whether the best place is the true one.
   EvidenceScore best;
   EvidenceScore second;  ///< No ends when there was no other place.
+  AcceptanceTerms terms;
 };
 
 /// What happened to one robot.

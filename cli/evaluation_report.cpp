@@ -329,7 +329,8 @@ void write_samples(std::ostream& csv, const std::string& name,
       for (std::size_t i = 0; i < kEndClasses; ++i) csv << ',' << place << "_end" << i;
       for (std::size_t i = 0; i < kPassClasses; ++i) csv << ',' << place << "_pass" << i;
     }
-    csv << '\n';
+    csv << ",explained_share,independent_hits,significance,margin_per_hit,rival_evidence,"
+           "unknown_share\n";
   }
   for (const StartRecord& record : records) {
     for (const DecisionSample& sample : record.samples) {
@@ -339,6 +340,10 @@ void write_samples(std::ostream& csv, const std::string& name,
         for (const int count : score->end_counts) csv << ',' << count;
         for (const int count : score->pass_counts) csv << ',' << count;
       }
+      const AcceptanceTerms& terms = sample.terms;
+      for (const double term : {terms.explained_share, terms.independent_hits, terms.significance,
+                                terms.margin_per_hit, terms.rival_evidence, terms.unknown_share})
+        csv << ',' << term;
       csv << '\n';
     }
   }

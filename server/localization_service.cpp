@@ -69,6 +69,9 @@ ProcessedBatch process(Localizer& localizer, Status status, std::span<const Robo
     batch.answer = localizer.process(scan);
     add(times, batch.answer.times);
     ++batch.events.scans;
+    if (batch.answer.withdrawal != Withdrawal::kNone)
+      ++batch.events.withdrawals[batch.answer.withdrawal];
+    batch.events.odometry_ignored += batch.answer.odometry == OdometryUse::kIgnored ? 1U : 0U;
     if (batch.answer.status != status) {
       batch.events.fixes += batch.answer.status == Status::kLocalized ? 1U : 0U;
       batch.events.lost += batch.answer.status == Status::kLost ? 1U : 0U;

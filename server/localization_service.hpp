@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -56,6 +57,8 @@ struct BatchEvents {
   std::size_t scans = 0;
   std::size_t fixes = 0;  ///< Times that it became localized.
   std::size_t lost = 0;   ///< Times that it became lost.
+  std::map<Withdrawal, std::size_t> withdrawals{};  ///< Poses withdrawn, by cause.
+  std::size_t odometry_ignored = 0;                 ///< Scans whose odometry was ignored.
 };
 /// Called while the session is held; `view` makes the view, which costs a copy.
 using BatchListener = std::function<void(const std::string& session, const BatchEvents&,

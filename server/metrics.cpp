@@ -34,6 +34,14 @@ struct Metrics::Impl {
   prometheus::Counter& scans = counter("cornerfix_scans_total", "Scans taken from robots.");
   prometheus::Counter& fixes = counter("cornerfix_fixes_total", "Times a robot became localized.");
   prometheus::Counter& lost = counter("cornerfix_lost_total", "Times a robot became lost.");
+  prometheus::Family<prometheus::Counter>& withdrawals =
+      BuildCounter()
+          .Name("cornerfix_withdrawals_total")
+          .Help("Localized poses that were withdrawn, by cause.")
+          .Register(registry);
+  prometheus::Counter& odometry_ignored =
+      counter("cornerfix_odometry_ignored_scans_total",
+              "Scans whose odometry was ignored because it contradicts scan matching.");
   prometheus::Family<prometheus::Gauge>& sessions = BuildGauge()
                                                         .Name("cornerfix_sessions")
                                                         .Help("Sessions in memory by status.")
@@ -50,7 +58,11 @@ struct Metrics::Impl {
   }
 };
 
-Metrics::Metrics() : impl_(std::make_unique<Impl>()) {}
+Metrics::Metrics() : impl_(std::make_unique<Impl>()) {
+  for (const Withdrawal cause :
+       {Withdrawal::kScansLost, Withdrawal::kContradicted, Withdrawal::kRival})
+    impl_->withdrawals.Add({{"cause", std::string(to_string(cause))}});
+}
 Metrics::~Metrics() = default;
 
 void Metrics::count_request(std::string_view method, std::string_view route, int status,
@@ -68,6 +80,11 @@ void Metrics::count_batch(const BatchEvents& events) {
   impl_->scans.Increment(static_cast<double>(events.scans));
   impl_->fixes.Increment(static_cast<double>(events.fixes));
   impl_->lost.Increment(static_cast<double>(events.lost));
+  for (const auto& [cause, count] : events.withdrawals) {
+    impl_->withdrawals.Add({{"cause", std::string(to_string(cause))}})
+        .Increment(static_cast<double>(count));
+  }
+  impl_->odometry_ignored.Increment(static_cast<double>(events.odometry_ignored));
 }
 
 std::string Metrics::render(const SessionCounts& sessions, const MapCacheUse& maps) {

@@ -38,7 +38,8 @@ enum class Kind : std::uint8_t {
 
 /// The version that is written. All before it can be read.
 constexpr std::uint8_t newest_version(Kind kind) {
-  return kind == Kind::kFeatures || kind == Kind::kLocalizerState ? 2 : 1;
+  if (kind == Kind::kLocalizerState) return 3;
+  return kind == Kind::kFeatures ? 2 : 1;
 }
 
 template <std::unsigned_integral T>
@@ -409,7 +410,7 @@ Result<SubmapScan> decode_submap_scan(BlobView blob) {
 }
 
 Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
-  constexpr std::size_t kFixedSize = 250;
+  constexpr std::size_t kFixedSize = 315;
   Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
   writer.integer(state.next_index);
   writer.integer(state.scans);
@@ -428,6 +429,12 @@ Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapS
   for (const double value : state.tracking_covariance) writer.real(value);
   put_optional_real(writer, state.usual_fit);
   put_optional_real(writer, state.usual_share);
+  for (const double sum : state.odometry_sums) writer.real(sum);
+  writer.integer(state.epoch);
+  writer.integer(static_cast<std::uint8_t>(state.confirmed ? 1 : 0));
+  writer.real(state.distance_since_acceptance_m);
+  writer.real(state.searched_at_m);
+  writer.integer(state.accepted_index);
   writer.count(submap.size());
   for (const SubmapScanKey& key : submap) {
     writer.integer(key.index);
@@ -461,6 +468,14 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
     for (double& value : state.tracking_covariance) value = reader->real();
     state.usual_fit = take_optional_real(*reader);
     state.usual_share = take_optional_real(*reader);
+  }
+  if (blob[0] > 2) {
+    for (double& sum : state.odometry_sums) sum = reader->real();
+    state.epoch = reader->integer<std::uint64_t>();
+    state.confirmed = reader->integer<std::uint8_t>() != 0;
+    state.distance_since_acceptance_m = reader->real();
+    state.searched_at_m = reader->real();
+    state.accepted_index = reader->integer<std::uint64_t>();
   }
   outline.submap.resize(reader->count(kSubmapScanKeySize));
   for (SubmapScanKey& key : outline.submap) {

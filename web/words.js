@@ -14,6 +14,7 @@ const REASONS = {
   no_match: 'No place in the maps fits what was seen.',
   few_evidence: 'A place fits, but too little was seen to be sure.',
   contradicted: 'The best place is contradicted by what was seen.',
+  odometry_contradicts_scans: 'The scans contradict the odometry and the best place: check the odometry.',
 };
 
 export const statusText = (status) => STATUS[status] ?? status;

@@ -51,41 +51,43 @@ Candidate* Candidates::find(std::size_t map, const Pose2& T_map_base_link) {
   return same == places_.end() ? nullptr : &*same;
 }
 
-double Candidates::gap(double margin) const {
-  double gap = gap_without_rivals(margin);
-  for (const Candidate& rival : all().subspan(1))
-    gap = std::min(gap, best().score.log_likelihood - rival.score.log_likelihood);
-  return gap;
+AcceptanceTerms Candidates::terms(double depth) const {
+  double margin = margin_without_rivals(depth);
+  std::vector<double> rival_z;
+  for (const Candidate& rival : all().subspan(1)) {
+    margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
+    rival_z.push_back(margin_z(best().score, rival.score));
+  }
+  return weigh(best().score, margin, rival_z, free_area_m2_);
 }
 
-double Candidates::gap_without_rivals(double margin) const {
-  const EvidenceScore& score = best().score;
-  return std::min(score.log_likelihood - kMinPlaceWeight * score.ends, margin * score.ends);
+AcceptanceTerms Candidates::terms_without_rivals(double depth) const {
+  return weigh(best().score, margin_without_rivals(depth), {}, free_area_m2_);
 }
 
-bool Candidates::acceptable(double gap) const {
+double Candidates::margin_without_rivals(double depth) const {
   const EvidenceScore& score = best().score;
-  return gap >= acceptance_.min_mean_gap * score.ends && gap >= acceptance_.min_gap &&
-         probability_right(score, gap) >= acceptance_.min_probability;
+  return std::min(score.log_likelihood - kMinPlaceWeight * score.ends, depth * score.ends);
 }
 
-double Candidates::needed_gap(double probability) const {
+bool Candidates::acceptable(const AcceptanceTerms& terms) const {
+  return terms.margin_per_hit >= acceptance_.min_mean_gap &&
+         terms.margin_per_hit * best().score.ends >= acceptance_.min_gap &&
+         terms.probability_correct >= acceptance_.min_probability;
+}
+
+double Candidates::needed_margin(double probability) const {
   const EvidenceScore& score = best().score;
-  return std::max(
-      {gap_for(score, probability), acceptance_.min_gap, acceptance_.min_mean_gap * score.ends});
+  return std::max({margin_for(score, free_area_m2_, probability), acceptance_.min_gap,
+                   acceptance_.min_mean_gap * score.ends});
 }
 
 Reason Candidates::missing_without_rivals() const {
-  const double gap = gap_without_rivals(kRivalMargin);
-  if (gap <= 0.0) return Reason::kNoMatch;
-  if (acceptable(gap)) return Reason::kNone;
-  const auto is_probable = [&](const EvidenceScore& score) {
-    return probability_right(score, gap) >= acceptance_.min_probability;
-  };
-  EvidenceScore uncontradicted = best().score;
-  uncontradicted.contradicted = 0.0;
-  return !is_probable(best().score) && is_probable(uncontradicted) ? Reason::kContradicted
-                                                                   : Reason::kFewEvidence;
+  if (margin_without_rivals(kRivalMargin) <= 0.0) return Reason::kNoMatch;
+  const AcceptanceTerms terms = terms_without_rivals(kRivalMargin);
+  if (acceptable(terms)) return Reason::kNone;
+  constexpr double kMostlyExplained = 0.7;
+  return terms.explained_share < kMostlyExplained ? Reason::kContradicted : Reason::kFewEvidence;
 }
 
 }  // namespace cornerfix

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <cornerfix/acceptance.hpp>
 #include <cornerfix/evidence_model.hpp>
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/localizer_params.hpp>
@@ -46,27 +47,33 @@ class Candidates {
   void judge_again(std::span<const LocalizationMapPtr> maps, const View& view);
   [[nodiscard]] bool knows(std::size_t map, const Pose2& T_map_base_link) const;
 
-  // The following ask for a best candidate.
+  /// Known-free space of all maps searched [m^2]: how many poses there are to be mistaken for.
+  void set_free_area(double free_area_m2) { free_area_m2_ = free_area_m2; }
 
-  /// Log-likelihood of the best less that of the best other place [nat], or, when that is none,
-  /// less that of one which `margin`, a beam end, would just have left out.
-  [[nodiscard]] double gap(double margin) const;
-  /// Gap when there is no other place within `margin`, a beam end.
-  [[nodiscard]] double gap_without_rivals(double margin) const;
-  /// Whether the best may be a fix by such a gap.
-  [[nodiscard]] bool acceptable(double gap) const;
-  /// Gap at which it would be one if that probability were asked for.
-  [[nodiscard]] double needed_gap(double probability) const;
-  /// Whether it would be one if there were no other places than those known.
-  [[nodiscard]] bool may_be_fix() const { return acceptable(gap(kRivalMargin)); }
-  /// What would be missing if there were no other place; kNone when only that stands in the way.
+  // The following ask for a best candidate. Rivals more than `depth` nat per hit below it were not
+  // searched for, and are assumed to exist.
+
+  /// What the decision weighs.
+  [[nodiscard]] AcceptanceTerms terms(double depth) const;
+  /// The same if there were no rivals within `depth`.
+  [[nodiscard]] AcceptanceTerms terms_without_rivals(double depth) const;
+  /// Whether the best may be accepted.
+  [[nodiscard]] bool acceptable(double depth) const { return acceptable(terms(depth)); }
+  /// Margin [nat] at which it would be if that probability were asked for.
+  [[nodiscard]] double needed_margin(double probability) const;
+  /// Whether it would be if there were no other poses than those known.
+  [[nodiscard]] bool may_be_accepted() const { return acceptable(kRivalMargin); }
+  /// What would be missing if there were no rivals; kNone when only these stand in the way.
   [[nodiscard]] Reason missing_without_rivals() const;
 
  private:
+  [[nodiscard]] bool acceptable(const AcceptanceTerms& terms) const;
+  [[nodiscard]] double margin_without_rivals(double depth) const;
   Candidate* find(std::size_t map, const Pose2& T_map_base_link);
 
   AcceptanceParams acceptance_;
   std::vector<Candidate> places_;
+  double free_area_m2_ = 0.0;
 };
 
 }  // namespace cornerfix

@@ -1,9 +1,23 @@
 #include <cornerfix/evidence_grid.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace cornerfix {
+namespace {
+
+/// (sum n)^2 / sum n^2 of the counts n of each block: how many equal blocks would be as many.
+double effective_number(const std::vector<std::uint16_t>& block_of, std::size_t blocks) {
+  std::vector<double> counts(blocks, 0.0);
+  for (const std::uint16_t block : block_of) counts[block] += 1.0;
+  double squares = 0.0;
+  for (const double count : counts) squares += count * count;
+  const auto all = static_cast<double>(block_of.size());
+  return squares > 0.0 ? all * all / squares : 0.0;
+}
+
+}  // namespace
 
 EvidenceGrid::EvidenceGrid(const Point2& center, EvidenceGridParams params)
     : params_(params),
@@ -72,6 +86,17 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
 
 Evidence EvidenceGrid::collect() const {
   Evidence evidence;
+  const int block_cells =
+      std::max(1, static_cast<int>(std::lround(kBlockSize / params_.resolution_m)));
+  const int blocks_per_row = size_ / block_cells + 1;
+  assert(blocks_per_row < 256 && "block numbers fit 16 bits");
+  std::vector<std::uint16_t> block_of(static_cast<std::size_t>(blocks_per_row * blocks_per_row), 0);
+  const auto block = [&](int column, int row) {
+    std::uint16_t& id = block_of[static_cast<std::size_t>((row / block_cells) * blocks_per_row +
+                                                          column / block_cells)];
+    if (id == 0) id = static_cast<std::uint16_t>(++evidence.blocks);
+    return static_cast<std::uint16_t>(id - 1);
+  };
   for (const std::uint32_t index : touched_) {
     const CellCounts& cell = cells_[index];
     const auto column = static_cast<int>(index) % size_;
@@ -83,10 +108,13 @@ Evidence EvidenceGrid::collect() const {
                         static_cast<double>(cell.sum_y) / cell.ends};
       evidence.ends.emplace_back(corner + params_.resolution_m * mean);
       evidence.origins.emplace_back(cell.origin_x, cell.origin_y);
+      evidence.end_blocks.push_back(block(column, row));
     } else if (cell.passes > 0 && column % 2 == 0 && row % 2 == 0) {
       evidence.free.emplace_back(corner + params_.resolution_m * Point2{0.5, 0.5});
+      evidence.free_blocks.push_back(block(column, row));
     }
   }
+  evidence.independent_hits = effective_number(evidence.end_blocks, evidence.blocks);
   return evidence;
 }
 

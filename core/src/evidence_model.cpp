@@ -103,48 +103,42 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
   };
   const auto index = [](double cells) { return static_cast<int>(std::floor(cells)); };
   EvidenceScore score;
+  score.block_llr.assign(evidence.blocks, 0.0F);
+  score.independent_hits = evidence.independent_hits;
   for (std::size_t i = 0; i < evidence.ends.size(); ++i) {
     const Point2 end = in_cells(evidence.ends[i]);
     std::size_t end_class = classes.end_class(index(end.x()), index(end.y()));
     if (!evidence.origins.empty() && classes.wall_between(in_cells(evidence.origins[i]), end))
       end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
     ++score.end_counts[end_class];
+    if (!evidence.end_blocks.empty())
+      score.block_llr[evidence.end_blocks[i]] += kRivalWeights.ends[end_class];
   }
-  for (const Point2& p : evidence.free) {
-    const Point2 passed = in_cells(p);
-    ++score.pass_counts[classes.pass_class(index(passed.x()), index(passed.y()))];
+  for (std::size_t i = 0; i < evidence.free.size(); ++i) {
+    const Point2 passed = in_cells(evidence.free[i]);
+    const std::size_t pass_class = classes.pass_class(index(passed.x()), index(passed.y()));
+    ++score.pass_counts[pass_class];
+    if (!evidence.free_blocks.empty())
+      score.block_llr[evidence.free_blocks[i]] += kRivalWeights.passes[pass_class];
   }
   summarise(score);
   return score;
 }
 
-namespace {
-
-/// The logistic: offset + slope * gap.
-struct GapLogistic {
-  double offset = 0.0;
-  double slope = 0.0;
-};
-
-GapLogistic gap_logistic(const EvidenceScore& best) {
-  const double offset = -18.488 - 0.781 * std::log(best.contradicted + 0.02) +
-                        4.930 * std::log(1.02 - best.unmapped) + 3.102 * std::log(best.ends);
-  return {offset, 17.588 / best.ends};
+int judged_hits(const EvidenceScore& score) {
+  const auto count = [&](std::size_t first, std::size_t end) {
+    const auto counts = score.end_counts.begin();
+    return std::accumulate(counts + static_cast<std::ptrdiff_t>(first),
+                           counts + static_cast<std::ptrdiff_t>(end), 0);
+  };
+  return count(0, kEndOfMatched) + count(kFirstContradicted, kFirstUnmapped) +
+         count(kFieldClasses, kEndClasses);
 }
 
-}  // namespace
-
-double probability_right(const EvidenceScore& best, double gap) {
-  if (best.ends == 0 || gap <= 0.0) return 0.0;
-  const GapLogistic logistic = gap_logistic(best);
-  return 1.0 / (1.0 + std::exp(-logistic.offset - logistic.slope * gap));
-}
-
-double gap_for(const EvidenceScore& best, double probability) {
-  if (best.ends == 0) return 0.0;
-  const GapLogistic logistic = gap_logistic(best);
-  const double odds = std::log(probability / (1.0 - probability));
-  return std::max(0.0, (odds - logistic.offset) / logistic.slope);
+double explained_share(const EvidenceScore& score) {
+  const int judged = judged_hits(score);
+  if (judged == 0) return 1.0;
+  return share(score, 0, kEndOfMatched) * std::max(1, score.ends) / judged;
 }
 
 }  // namespace cornerfix

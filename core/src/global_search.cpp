@@ -20,12 +20,20 @@ constexpr double kRareWay = 6.0;
 
 constexpr std::size_t kFewMaps = 4;        // are all looked through whole; of more, corners choose
 constexpr std::size_t kEnoughCorners = 6;  // to tell places apart by
+constexpr std::size_t kMaxPlacesPerMap =
+    64;  // judged in one search; poses below the last are unsearched
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
 constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when there will be no fix now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
 constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
 constexpr double kMirrorMargin = 0.05;  // by which what was seen must fit better than its image
+
+double free_area_of(GlobalSearch::Maps maps) {
+  double area = 0.0;
+  for (const LocalizationMapPtr& map : maps) area += map->free_area_m2();
+  return area;
+}
 
 }  // namespace
 
@@ -101,14 +109,27 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
 
 void GlobalSearch::verify(Maps maps, const View& view) {
   rival_margin_ = kRivalMargin;
+  candidates_.set_free_area(free_area_of(maps));
   candidates_.judge_again(maps, view);
   for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
   searched_ = search_due(maps, view);
-  if (!searched_) return;
+  if (searched_) search_whole(maps, view);
+}
+
+bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked, bool search_maps) {
+  candidates_.set_free_area(free_area_of(maps));
+  candidates_.judge_again(maps, view);
+  candidates_.consider(*maps[tracked.map], view, tracked);
+  searched_ = search_maps;
+  if (search_maps) search_whole(maps, view);
+  return search_maps;
+}
+
+void GlobalSearch::search_whole(Maps maps, const View& view) {
   Looks looks(maps.size());
   search(maps, view, looks);
   // A place found late may be worth a deeper look than the maps before it were given.
-  if (!candidates_.empty() && candidates_.may_be_fix() && rival_margin_ < margin_to_look_at())
+  if (!candidates_.empty() && candidates_.may_be_accepted() && rival_margin_ < margin_to_look_at())
     search(maps, view, looks);
   searched_at_ = {view.evidence.ends.size(), way_m_};
 }
@@ -122,7 +143,7 @@ bool GlobalSearch::is_due(const Moment& last, const View& view, double growth, d
 
 bool GlobalSearch::search_due(Maps maps, const View& view) const {
   // The gap to the second best means nothing while the second best may not have been looked at.
-  if (!candidates_.empty() && candidates_.acceptable(gap())) return true;
+  if (!candidates_.empty() && acceptable()) return true;
   if (params_.method != Method::kIndexed) return false;
   // Many maps wait for corners to choose among them, a while.
   if (maps.size() > kFewMaps && view.corners.size() < kEnoughCorners && way_m_ < kWay) return false;
@@ -153,15 +174,14 @@ void GlobalSearch::search(Maps maps, const View& view, Looks& looks) {
     std::optional<Look>& look = looks[map];
     if (!look) look.emplace(maps[map]->place_search(), view);
     double least = best - margin_to_look_at();
-    for (; look->places < Candidates::kMaxPlaces; ++look->places) {
+    for (; look->places < kMaxPlacesPerMap; ++look->places) {
       least = best - margin_to_look_at();
       const std::optional<Place> place = look->run.next(least);
       if (!place) break;
       best = std::max(best, place->mean_weight);
       candidates_.consider(*maps[map], view, {map, place->T_map_base_link, 0, 0, {}});
     }
-    if (look->places < Candidates::kMaxPlaces) least = std::max(least, look->run.bound());
-    looked_down_to = std::max(looked_down_to, least);
+    looked_down_to = std::max({looked_down_to, least, look->run.bound()});
   }
   rival_margin_ = std::min(kRivalMargin, best - looked_down_to);
 }
@@ -185,15 +205,14 @@ void GlobalSearch::look_by_corners(std::size_t map, Maps maps, const View& view,
     candidates_.consider(*maps[map], view, {map, one.T_map_base_link, 0, 0, {}});
 }
 
-/// How far below the best candidate, a beam end, a place may lie and still matter. Who asks for an
-/// endless gap wants to know all.
+/// How far below the best candidate, per hit, a pose may lie and still matter. An endless minimum
+/// margin asks for all rivals.
 double GlobalSearch::margin_to_look_at() const {
   constexpr double kMoreThanSure = 0.998;
-  if (candidates_.empty()) return kRivalMargin;
-  const double needed =
-      candidates_.needed_gap(kMoreThanSure) / std::max(1, candidates_.best().score.ends);
-  if (std::isfinite(needed) && !candidates_.may_be_fix()) return kSeedMargin;
-  return std::min(kRivalMargin, needed);
+  if (candidates_.empty() || std::isinf(params_.acceptance.min_gap)) return kRivalMargin;
+  if (!candidates_.may_be_accepted()) return kSeedMargin;
+  return std::min(kRivalMargin, candidates_.needed_margin(kMoreThanSure) /
+                                    std::max(1, candidates_.best().score.ends));
 }
 
 /// Maps, those with the better candidates first: the higher the bound, the shorter the search.

@@ -36,9 +36,18 @@ class GlobalSearch {
   /// Judges all candidates anew, and looks through maps where that is due.
   void verify(Maps maps, const View& view);
 
+  /// Judges a tracked pose and its rivals anew, after a search of whole maps if
+  /// `search_maps`.
+  /// Returns whether it did.
+  bool review(Maps maps, const View& view, const Candidate& tracked, bool search_maps);
+  /// A confirmed pose is not compared with rivals again.
+  void clear_candidates() { candidates_.clear(); }
+
   [[nodiscard]] const Candidates& candidates() const { return candidates_; }
-  /// Of the best candidate, at most what the last look through the maps would have found.
-  [[nodiscard]] double gap() const { return candidates_.gap(rival_margin_); }
+  /// What the decision on the best candidate weighs, by what the last search would have found.
+  [[nodiscard]] AcceptanceTerms terms() const { return candidates_.terms(rival_margin_); }
+  /// Whether it may be accepted.
+  [[nodiscard]] bool acceptable() const { return candidates_.acceptable(rival_margin_); }
   /// Whether verify() looked through maps.
   [[nodiscard]] bool searched() const { return searched_; }
   /// Whether the best candidate's map holds the mirror image of what was seen, and better: then
@@ -66,6 +75,7 @@ class GlobalSearch {
                             double way_m) const;
   [[nodiscard]] bool search_due(Maps maps, const View& view) const;
   [[nodiscard]] double best_mean(Maps maps, const View& view) const;
+  void search_whole(Maps maps, const View& view);
   void search(Maps maps, const View& view, Looks& looks);
   [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
   void look_by_corners(std::size_t map, Maps maps, const View& view, double min_mean_weight);

@@ -52,7 +52,8 @@ Pose2 LidarOdometry::process(const RobotScan& scan) {
 RefinedPose LidarOdometry::match(const std::vector<Point2>& points,
                                  const std::optional<Pose2>& odometry) const {
   const auto about = [&](const Pose2& motion, bool is_odometry) {
-    const PosePrior prior = motion_prior(T_submap_base_link_ * motion, motion, is_odometry);
+    const PosePrior prior = is_odometry ? odometry_prior(T_submap_base_link_, motion)
+                                        : constant_velocity_prior(T_submap_base_link_, motion);
     const FoundStart start = submap_.search(points, prior.T_frame_base_link, window_about(motion));
     return submap_.match(points, prior, start.T_submap_base_link);
   };

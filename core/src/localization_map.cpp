@@ -13,7 +13,8 @@ LocalizationMap::LocalizationMap(std::string name, std::uint64_t revision, MapCo
       triangle_index_(features_, {}),
       field_(grid_),
       classes_(grid_, field_),
-      place_search_(classes_) {}
+      place_search_(classes_),
+      free_area_m2_(grid_.free_area_m2()) {}
 
 std::size_t LocalizationMap::bytes() const {
   return sizeof(LocalizationMap) + features_.size() * sizeof(Feature) +

@@ -1,5 +1,7 @@
 #include <cornerfix/localizer.hpp>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -7,7 +9,10 @@
 #include <utility>
 
 #include "global_search.hpp"
+#include "new_ground.hpp"
+#include "odometry_monitor.hpp"
 #include "pose_tracker.hpp"
+#include "same_place.hpp"
 #include "scan_motion.hpp"
 
 namespace cornerfix {
@@ -17,12 +22,36 @@ namespace {
 constexpr double kMinUsualShare = 0.6;  // a scan that matches so much worse than usual strays
 constexpr double kUsualGain = 0.1;      // by which a scan changes what is usual
 
+// By which a match from constant velocity must beat that from odometry [share of the points].
+constexpr double kClearlyBetterShare = 0.05;
+constexpr std::size_t kEnoughPoints = 30;  // of a scan that may overrule odometry
+
+// Reviews of an accepted pose.
+constexpr double kReviewDistance = 1.5;   // [m] between searches of the whole map
+constexpr double kConfirmDistance = 3.0;  // [m] after the acceptance
+
 constexpr int kMaxStillScans = 10;  // without anything new: say that driving on would help
 
-// Taking a pose back.
+// Withdrawal of a pose.
 constexpr double kMaxMisfitWay = 1.5;  // driven while the scans do not fit [m],
-constexpr int kMinMisfits = 2;         // as told by so many scans at least;
+constexpr int kMinMisfits = 2;         // by at least so many scans;
 constexpr int kMaxMisfits = 20;        // or so many scans, when standing
+
+/// Rotates a matrix of x, y, yaw from the axes of the submap to those of base_link.
+Eigen::Matrix3d in_base_link(const Eigen::Matrix3d& matrix, double yaw) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+  return rotation.transpose() * matrix * rotation;
+}
+
+/// The part of a matched pose's covariance that its prediction causes: all of it in directions that
+/// the scan does not constrain. `match` is along the axes of base_link, the others along those of
+/// the submap.
+Eigen::Matrix3d share_of_prior(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& match,
+                               double yaw) {
+  const Eigen::Matrix3d covariance = (prior + in_base_link(match, -yaw)).inverse();
+  return covariance * prior * covariance;
+}
 
 }  // namespace
 
@@ -56,6 +85,36 @@ std::string_view to_string(Reason reason) {
       return "few_evidence";
     case Reason::kContradicted:
       return "contradicted";
+    case Reason::kOdometryContradictsScans:
+      return "odometry_contradicts_scans";
+  }
+  return "";
+}
+
+std::string_view to_string(OdometryUse use) {
+  switch (use) {
+    case OdometryUse::kNone:
+      return "none";
+    case OdometryUse::kUsed:
+      return "used";
+    case OdometryUse::kWeightedDown:
+      return "weighted_down";
+    case OdometryUse::kIgnored:
+      return "ignored";
+  }
+  return "none";
+}
+
+std::string_view to_string(Withdrawal withdrawal) {
+  switch (withdrawal) {
+    case Withdrawal::kNone:
+      return "";
+    case Withdrawal::kScansLost:
+      return "scans_lost";
+    case Withdrawal::kContradicted:
+      return "contradicted";
+    case Withdrawal::kRival:
+      return "rival";
   }
   return "";
 }
@@ -80,16 +139,26 @@ struct Localizer::Impl {
   int still_scans = 0;                ///< In a row that showed nothing new.
   GlobalSearch search{params};
   bool searched = false;  ///< At this scan.
+  OdometryMonitor odometry_monitor;
 
   Status status = Status::kCollecting;
   Reason reason = Reason::kFewFeatures;
   double confidence = 0.0;
+  AcceptanceTerms terms;  ///< Of the last decision.
 
   std::optional<Candidate> fix;  ///< While localized.
   PoseTracker tracker;           ///< Of the fix.
   Pose2 T_map_submap;            ///< By the fix.
   double misfit_way_m = 0.0;
   int misfits = 0;
+  bool is_doubted = false;                    ///< This scan fits neither the local map nor the map.
+  Withdrawal withdrawal = Withdrawal::kNone;  ///< At this scan.
+  std::uint64_t epoch = 0;
+  bool confirmed = false;
+  double distance_since_acceptance_m = 0.0;
+  double searched_at_m = 0.0;  ///< distance_since_acceptance_m at the last review of all poses.
+  std::uint64_t accepted_index = 0;  ///< Of the first submap scan after the acceptance.
+  NewGround new_ground;              ///< Since the acceptance.
 
   // --- one scan
   // ---------------------------------------------------------------------------------------------------
@@ -101,6 +170,8 @@ struct Localizer::Impl {
     StepTimes times;
     const double begin = now();
     searched = false;
+    is_doubted = false;
+    withdrawal = Withdrawal::kNone;
     const std::vector<Point2> points =
         points_to_match(robot_scan.scan, robot_scan.T_base_link_laser);
     move_along(robot_scan, points);
@@ -129,24 +200,32 @@ struct Localizer::Impl {
     return answer(times);
   }
 
-  /// Scan-to-submap matching, from odometry where it is there and constant velocity where it is
-  /// not.
+  /// Scan-to-submap matching. Odometry predicts the motion as far as it agrees with the scans, the
+  /// motion before where it does not.
   void move_along(const RobotScan& robot_scan, const std::vector<Point2>& points) {
-    const bool has_odometry = robot_scan.T_odom_base_link && last_T_odom_base_link;
-    const Pose2 motion =
-        has_odometry ? inverse(*last_T_odom_base_link) * *robot_scan.T_odom_base_link : last_motion;
+    std::optional<Pose2> odometry;
+    if (robot_scan.T_odom_base_link && last_T_odom_base_link)
+      odometry = inverse(*last_T_odom_base_link) * *robot_scan.T_odom_base_link;
     last_T_odom_base_link = robot_scan.T_odom_base_link;
     last_stamp = robot_scan.scan.stamp;
     if (submap.empty()) return;  // this scan begins the submap, wherever it is
     const Pose2 before = T_submap_base_link;
-    Pose2 now_at = before * motion;
+    const bool is_trusted = odometry && odometry_monitor.use() != OdometryUse::kIgnored;
+    const PosePrior prior = is_trusted
+                                ? odometry_prior(before, *odometry, odometry_monitor.noise_scale())
+                                : constant_velocity_prior(before, last_motion);
+    Pose2 now_at = prior.T_frame_base_link;
+    Eigen::Matrix3d noise = prior.information.inverse();
     if (!points.empty()) {
-      const RefinedPose matched = submap.match(points, motion_prior(now_at, motion, has_odometry));
-      if (belongs_to_submap(matched.inlier_share)) {
-        now_at = matched.T_frame_base_link;
+      const Match matched = match(points, prior, is_trusted);
+      if (belongs_to_submap(matched.pose.inlier_share)) {
+        now_at = matched.pose.T_frame_base_link;
         stray_scans = 0;
+        const Eigen::Matrix3d information = submap.match_information(points, now_at);
+        noise = share_of_prior(matched.prior_information, information, now_at.yaw);
+        if (odometry) odometry_monitor.add(*odometry, inverse(before) * now_at, information);
       } else if (++stray_scans >= kMaxStrayScans) {
-        restart_submap();
+        restart_submap(Withdrawal::kScansLost);
         return;
       }
     }
@@ -157,8 +236,32 @@ struct Localizer::Impl {
     search.move_along(last_motion);
     if (fix) {
       misfit_way_m += step;
-      tracker.predict(last_motion, stray_scans == 0);
+      distance_since_acceptance_m += step;
+      tracker.predict(last_motion, in_base_link(noise, now_at.yaw));
     }
+  }
+
+  struct Match {
+    RefinedPose pose;
+    Eigen::Matrix3d prior_information;  ///< Of the prediction that it started from.
+  };
+
+  /// Lays a scan on the submap from the predicted pose, and, where odometry leads to no match, from
+  /// the pose at constant velocity.
+  [[nodiscard]] Match match(const std::vector<Point2>& points, const PosePrior& prior,
+                            bool by_odometry) const {
+    const Match matched{submap.match(points, prior), prior.information};
+    if (!by_odometry || points.size() < kEnoughPoints ||
+        matched.pose.inlier_share >= least_matched_share())
+      return matched;
+    const PosePrior steady = constant_velocity_prior(T_submap_base_link, last_motion);
+    const Match other{submap.match(points, steady), steady.information};
+    return other.pose.inlier_share > matched.pose.inlier_share + kClearlyBetterShare ? other
+                                                                                     : matched;
+  }
+
+  [[nodiscard]] double least_matched_share() const {
+    return std::max(kMinMatchedShare, kMinUsualShare * usual_share.value_or(0.0));
   }
 
   bool belongs_to_submap(double matched_share) {
@@ -168,19 +271,27 @@ struct Localizer::Impl {
   }
 
   /// The scans no longer continue the submap: whatever was known from it is void.
-  void restart_submap() {
+  void restart_submap(Withdrawal cause) {
     submap = Submap();
     T_submap_base_link = {};
     last_motion = {};
     stray_scans = 0;
     usual_share.reset();
     search.reset();
+    new_ground = {};
+    if (fix) withdraw(cause);
+    terms = {};
     confidence = 0.0;
-    if (fix) {
-      fix.reset();
-      status = Status::kLost;
-      reason = Reason::kContradicted;
-    }
+  }
+
+  /// The pose is no longer an answer; the submap and the search go on.
+  void withdraw(Withdrawal cause) {
+    fix.reset();
+    withdrawal = cause;
+    status = Status::kLost;
+    reason = Reason::kContradicted;
+    terms = {};
+    confidence = 0.0;
   }
 
   void keep(const RobotScan& robot_scan) {
@@ -211,6 +322,7 @@ struct Localizer::Impl {
   void decide(const View& view) {
     const bool was_lost = status == Status::kLost;
     status = was_lost ? Status::kLost : Status::kCollecting;
+    terms = {};
     confidence = 0.0;
     const Candidates& candidates = search.candidates();
     if (candidates.empty()) {
@@ -220,8 +332,9 @@ struct Localizer::Impl {
       reason = few_features ? Reason::kFewFeatures : Reason::kNoMatch;
       return;
     }
-    confidence = probability_right(candidates.best().score, search.gap());
-    if (!candidates.acceptable(search.gap())) {
+    terms = search.terms();
+    confidence = terms.probability_correct;
+    if (!search.acceptable()) {
       reason = candidates.missing_without_rivals();
       if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
       return;
@@ -230,11 +343,26 @@ struct Localizer::Impl {
       reason = Reason::kFewEvidence;
       return;
     }
+    // A pose that new ground contradicted is not accepted again by what was seen before.
+    const Candidate& best = candidates.best();
+    const NewGround::Verdict verdict =
+        new_ground.judge(maps[best.map]->classes(), submap.evidence(),
+                         best.T_map_base_link * inverse(T_submap_base_link));
+    if (verdict == NewGround::Verdict::kContradicts) {
+      reason = Reason::kContradicted;
+      return;
+    }
     status = Status::kLocalized;
     reason = Reason::kNone;
     begin_tracking(candidates.best());
     misfits = 0;
     misfit_way_m = 0.0;
+    ++epoch;
+    confirmed = false;
+    distance_since_acceptance_m = 0.0;
+    searched_at_m = 0.0;
+    accepted_index = submap.next_index();
+    new_ground = NewGround(submap.evidence());
   }
 
   // --- tracking
@@ -246,27 +374,62 @@ struct Localizer::Impl {
     T_map_submap = candidate.T_map_base_link * inverse(T_submap_base_link);
   }
 
-  /// Corrects the pose by the scan; takes it back when scans stay off the walls.
+  /// Corrects the pose by the scan and withdraws it when scans contradict the map.
   void track(const RobotScan& robot_scan, const std::vector<Point2>& points, bool news) {
     const LocalizationMap& map = *maps[fix->map];
     const TrackingVerdict verdict =
         tracker.update(map, points, robot_scan.T_base_link_laser.translation());
     fix->T_map_base_link = tracker.T_map_base_link();
     T_map_submap = fix->T_map_base_link * inverse(T_submap_base_link);
-    if (news) fix->score = score_evidence(map.classes(), submap.evidence(), T_map_submap);
-    if (verdict != TrackingVerdict::kFits) {
+    if (verdict == TrackingVerdict::kFits) {
+      misfits = 0;
+      misfit_way_m = 0.0;
+    } else {
+      is_doubted = verdict == TrackingVerdict::kMisfits && stray_scans > 0;
       miss(verdict == TrackingVerdict::kNoReturns ? Reason::kNoReturns : Reason::kContradicted);
+    }
+    if (news && fix) review();
+  }
+
+  /// Repeats the decision with what was seen since the acceptance.
+  void review() {
+    const LocalizationMap& map = *maps[fix->map];
+    const NewGround::Verdict verdict =
+        new_ground.judge(map.classes(), submap.evidence(), T_map_submap);
+    // Either the pose was wrong or the robot was carried, which the local map does not survive.
+    // After the confirmation the tracker judges scan by scan, since the local map bends with its
+    // drift.
+    if (!confirmed && verdict == NewGround::Verdict::kContradicts)
+      return restart_submap(Withdrawal::kContradicted);
+    const bool is_search_due =
+        !confirmed && distance_since_acceptance_m - searched_at_m >= kReviewDistance;
+    if (is_search_due) searched_at_m = distance_since_acceptance_m;
+    const View view = view_from(submap, T_submap_base_link);
+    searched = search.review(maps, view, *fix, is_search_due);
+    const Candidates& candidates = search.candidates();
+    const Candidate& best = candidates.best();
+    if (best.map != fix->map || !is_same_place(best.T_map_base_link, fix->T_map_base_link)) {
+      if (search.acceptable()) return withdraw(Withdrawal::kRival);
+      terms = {};
+      confidence = 0.0;
       return;
     }
-    misfits = 0;
-    misfit_way_m = 0.0;
+    fix->score = best.score;
+    terms = search.terms();
+    confidence = terms.probability_correct;
+    if (is_search_due && distance_since_acceptance_m >= kConfirmDistance &&
+        verdict == NewGround::Verdict::kAgrees && search.acceptable()) {
+      confirmed = true;
+      search.clear_candidates();
+    }
   }
 
   /// A scan that does not confirm the pose; too many in a row take it back.
   void miss(Reason why) {
     ++misfits;
     if (misfits <= kMaxMisfits && (misfit_way_m <= kMaxMisfitWay || misfits < kMinMisfits)) return;
-    restart_submap();
+    restart_submap(why == Reason::kContradicted ? Withdrawal::kContradicted
+                                                : Withdrawal::kScansLost);
     reason = why;
   }
 
@@ -275,12 +438,20 @@ struct Localizer::Impl {
 
   [[nodiscard]] Answer answer(const StepTimes& times) const {
     Answer answer;
-    answer.status = status;
-    answer.reason = status == Status::kLocalized ? Reason::kNone : reason;
-    answer.confidence = confidence;
+    answer.status = is_doubted && fix ? Status::kLost : status;
+    answer.odometry = last_T_odom_base_link ? odometry_monitor.use() : OdometryUse::kNone;
+    answer.withdrawal = withdrawal;
+    answer.terms = terms;
     answer.searched = searched;
-    if (fix) {
-      LocalizedPose pose{maps[fix->map], tracker.T_map_base_link(), {}};
+    answer.reason = answer.status == Status::kLocalized ? Reason::kNone : reason;
+    if (is_doubted && fix) answer.reason = Reason::kContradicted;
+    if (answer.reason == Reason::kContradicted && answer.odometry == OdometryUse::kIgnored)
+      answer.reason = Reason::kOdometryContradictsScans;
+    if (answer.status == Status::kLocalized || !fix) answer.confidence = confidence;
+    if (fix && is_doubted) {
+      answer.hypotheses.push_back(ranked(*fix));
+    } else if (fix) {
+      LocalizedPose pose{maps[fix->map], tracker.T_map_base_link(), {}, epoch, confirmed};
       const Eigen::Matrix3d covariance = tracker.covariance();
       std::copy_n(covariance.data(), 9, pose.covariance.begin());  // symmetric: any order will do
       answer.pose = pose;
@@ -311,7 +482,11 @@ Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 Answer Localizer::process(const RobotScan& scan) { return impl_->process(scan); }
 
 void Localizer::reset() {
+  const std::uint64_t epoch = impl_->epoch;
+  const OdometryMonitor odometry_monitor = impl_->odometry_monitor;
   *impl_ = Impl(std::move(impl_->maps), impl_->params, std::move(impl_->clock));
+  impl_->epoch = epoch;
+  impl_->odometry_monitor = odometry_monitor;
 }
 
 void Localizer::replace_maps(std::vector<LocalizationMapPtr> maps) {
@@ -342,12 +517,20 @@ LocalizerState Localizer::state() const {
   state.misfits = impl_->misfits;
   state.misfit_way_m = impl_->misfit_way_m;
   state.usual_share = impl_->usual_share;
+  state.odometry_sums = impl_->odometry_monitor.sums();
+  state.epoch = impl_->epoch;
+  state.confirmed = impl_->confirmed;
+  state.distance_since_acceptance_m = impl_->distance_since_acceptance_m;
+  state.searched_at_m = impl_->searched_at_m;
+  state.accepted_index = impl_->accepted_index;
   return state;
 }
 
 void Localizer::restore(LocalizerState state) {
   reset();
+  std::optional<Evidence> old_ground;  ///< Of the scans until the acceptance.
   for (SubmapScan& scan : state.submap) {
+    if (!old_ground && scan.index >= state.accepted_index) old_ground = impl_->submap.evidence();
     std::vector<Feature> corners = impl_->corners_of(scan.scan);
     impl_->submap.keep(std::move(scan), std::move(corners), true);
   }
@@ -364,6 +547,14 @@ void Localizer::restore(LocalizerState state) {
   impl_->misfits = state.misfits;
   impl_->misfit_way_m = state.misfit_way_m;
   impl_->usual_share = state.usual_share;
+  impl_->odometry_monitor = OdometryMonitor(state.odometry_sums);
+  impl_->epoch = state.epoch;
+  impl_->confirmed = state.confirmed;
+  impl_->distance_since_acceptance_m = state.distance_since_acceptance_m;
+  impl_->searched_at_m = state.searched_at_m;
+  impl_->accepted_index = state.accepted_index;
+  if (state.tracked_map >= 0)
+    impl_->new_ground = NewGround(old_ground.value_or(impl_->submap.evidence()));
   if (state.tracked_map >= 0 && static_cast<std::size_t>(state.tracked_map) < impl_->maps.size()) {
     Candidate fix{static_cast<std::size_t>(state.tracked_map),
                   state.T_map_submap * state.T_submap_base_link,

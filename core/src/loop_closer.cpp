@@ -3,7 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include <cornerfix/acceptance.hpp>
 #include <cornerfix/localizer_params.hpp>
 #include <cornerfix/scan_refiner.hpp>
 
@@ -52,16 +54,20 @@ std::vector<LoopCandidate> candidates_in(const SubmapMosaic& mosaic, const Drive
 }
 
 /// Whether the first of `places` explains what was seen, and better than all others.
-bool is_certain(std::span<const LoopCandidate> places) {
+bool is_certain(std::span<const LoopCandidate> places, double free_area_m2) {
   if (places.empty() || places.front().score.ends == 0) return false;
   const EvidenceScore& best = places.front().score;
-  double gap =
+  double margin =
       std::min(best.log_likelihood - kMinPlaceWeight * best.ends, kLoopRivalMargin * best.ends);
-  for (const LoopCandidate& rival : places.subspan(1))
-    gap = std::min(gap, best.log_likelihood - rival.score.log_likelihood);
+  std::vector<double> rival_z;
+  for (const LoopCandidate& rival : places.subspan(1)) {
+    margin = std::min(margin, best.log_likelihood - rival.score.log_likelihood);
+    rival_z.push_back(margin_z(best, rival.score));
+  }
   const AcceptanceParams acceptance;
-  return gap >= acceptance.min_mean_gap * best.ends && gap >= acceptance.min_gap &&
-         probability_right(best, gap) >= acceptance.min_probability;
+  const AcceptanceTerms terms = weigh(best, margin, rival_z, free_area_m2);
+  return margin >= acceptance.min_mean_gap * best.ends && margin >= acceptance.min_gap &&
+         terms.probability_correct >= acceptance.min_probability;
 }
 
 }  // namespace
@@ -74,8 +80,9 @@ std::optional<FoundPlace> find_place(const DriveSubmap& submap, const SubmapMosa
     return distance(one.T_map_submap, T_map_submap_predicted) <= drift.position_m &&
            angle_between(one.T_map_submap, T_map_submap_predicted) <= drift.yaw_rad;
   });
-  if (is_certain(near)) return FoundPlace{near.front().T_map_submap, true};
-  if (is_certain(all)) return FoundPlace{all.front().T_map_submap, false};
+  const double near_area_m2 = std::numbers::pi * drift.position_m * drift.position_m;
+  if (is_certain(near, near_area_m2)) return FoundPlace{near.front().T_map_submap, true};
+  if (is_certain(all, mosaic.free_area_m2())) return FoundPlace{all.front().T_map_submap, false};
   return std::nullopt;
 }
 

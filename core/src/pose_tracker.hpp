@@ -32,8 +32,9 @@ class PoseTracker {
               std::optional<double> usual_fit);
 
   /// The robot moved by `motion`, from base_link to base_link.
-  /// \param matched  Whether scan matching confirms the motion, or odometry alone tells it.
-  void predict(const Pose2& motion, bool matched);
+  /// \param noise  Covariance of the motion that scan matching does not remove, along the axes of
+  /// base_link after it.
+  void predict(const Pose2& motion, const Eigen::Matrix3d& noise);
 
   /// Lays the scan on the map. \param points  In base_link. \param laser  From where, in base_link.
   TrackingVerdict update(const LocalizationMap& map, std::span<const Point2> points,
@@ -48,6 +49,7 @@ class PoseTracker {
  private:
   Pose2 T_map_base_link_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+  double distance_m_ = 0.0;          ///< Driven since the last update.
   std::optional<double> usual_fit_;  ///< Share of a scan's ends on mapped ground that are on walls.
 };
 

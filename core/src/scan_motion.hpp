@@ -1,6 +1,8 @@
 /// \file  What laying a scan on a submap begins with: its points, and what is known of its pose.
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -29,14 +31,32 @@ inline constexpr double kMinMatchedShare = 0.3;  ///< Of the points of a scan th
   return points;
 }
 
-/// How sure odometry is of a motion; without it the motion is that of the scan before, a guess.
-[[nodiscard]] inline PosePrior motion_prior(const Pose2& T_submap_base_link, const Pose2& motion,
-                                            bool has_odometry) {
-  const double way = std::hypot(motion.x, motion.y);
-  const double turn = std::abs(motion.yaw);
-  if (has_odometry)
-    return isotropic_prior(T_submap_base_link, 0.02 + 0.1 * way, 0.01 + 0.1 * turn + 0.02 * way);
-  return isotropic_prior(T_submap_base_link, 0.15 + 0.5 * way, 0.1 + 0.5 * turn);
+/// Standard deviations of a motion that wheel odometry measured, along x, y and yaw of base_link.
+[[nodiscard]] inline Eigen::Vector3d odometry_noise(const Pose2& motion) {
+  const double distance_m = std::hypot(motion.x, motion.y);
+  const double turn_rad = std::abs(motion.yaw);
+  const double position = 0.02 + 0.1 * distance_m;
+  return {position, position, 0.01 + 0.1 * turn_rad + 0.02 * distance_m};
+}
+
+/// The pose that odometry predicts; `noise_scale` multiplies its standard deviations.
+[[nodiscard]] inline PosePrior odometry_prior(
+    const Pose2& T_submap_base_link, const Pose2& motion,
+    const Eigen::Vector3d& noise_scale = Eigen::Vector3d::Ones()) {
+  const Pose2 predicted = T_submap_base_link * motion;
+  const Eigen::Vector3d sigma = odometry_noise(motion).cwiseProduct(noise_scale);
+  const Eigen::Vector3d information = sigma.cwiseAbs2().cwiseInverse();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(predicted.yaw).toRotationMatrix();
+  return {predicted, rotation * information.asDiagonal() * rotation.transpose()};
+}
+
+/// The pose at constant velocity: `motion` is that between the two scans before.
+[[nodiscard]] inline PosePrior constant_velocity_prior(const Pose2& T_submap_base_link,
+                                                       const Pose2& motion) {
+  const double distance_m = std::hypot(motion.x, motion.y);
+  return isotropic_prior(T_submap_base_link * motion, 0.15 + 0.5 * distance_m,
+                         0.1 + 0.5 * std::abs(motion.yaw));
 }
 
 }  // namespace cornerfix

@@ -1,5 +1,6 @@
 #include <cornerfix/submap.hpp>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -91,6 +92,19 @@ RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePr
                                          {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
   return refine_pose(field_, points_base_link, coarse.T_frame_base_link,
                      {.kernel_m = kFineKernel, .max_iterations = 6}, prior);
+}
+
+Eigen::Matrix3d Submap::match_information(std::span<const Point2> points_base_link,
+                                          const Pose2& T_submap_base_link) const {
+  constexpr std::size_t kPoints = 90;  // evenly thinned, each standing for its neighbours
+  const std::vector<Point2> points = thinned(points_base_link, kPoints);
+  const double weight = static_cast<double>(points_base_link.size()) /
+                        static_cast<double>(std::max<std::size_t>(1, points.size()));
+  const Eigen::Matrix3d information =
+      observed_information(field_, points, T_submap_base_link, {.kernel_m = kFineKernel});
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(T_submap_base_link.yaw).toRotationMatrix();
+  return weight * rotation.transpose() * information * rotation;
 }
 
 FoundStart Submap::search(std::span<const Point2> points_base_link, const Pose2& middle,

@@ -56,6 +56,9 @@ SubmapMosaic::SubmapMosaic(std::span<const DriveSubmap> submaps,
     : SubmapMosaic(compose(submaps, T_map_submap)) {}
 
 SubmapMosaic::SubmapMosaic(const OccupancyGrid& grid)
-    : field_(grid), classes_(grid, field_), place_search_(classes_) {}
+    : field_(grid),
+      classes_(grid, field_),
+      place_search_(classes_),
+      free_area_m2_(grid.free_area_m2()) {}
 
 }  // namespace cornerfix

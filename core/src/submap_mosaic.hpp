@@ -20,6 +20,7 @@ class SubmapMosaic {
   [[nodiscard]] const DistanceField& field() const { return field_; }
   [[nodiscard]] const ClassField& classes() const { return classes_; }
   [[nodiscard]] const PlaceSearch& place_search() const { return place_search_; }
+  [[nodiscard]] double free_area_m2() const { return free_area_m2_; }
 
  private:
   explicit SubmapMosaic(const OccupancyGrid& grid);
@@ -27,6 +28,7 @@ class SubmapMosaic {
   DistanceField field_;
   ClassField classes_;
   PlaceSearch place_search_;
+  double free_area_m2_;
 };
 
 }  // namespace cornerfix

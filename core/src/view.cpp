@@ -19,7 +19,10 @@ View view_from(const Submap& submap, const Pose2& T_submap_base_link) {
     return here;
   };
   const Evidence& seen = submap.evidence();
-  View view{{moved(seen.ends), moved(seen.free), moved(seen.origins)}, {}, {}};
+  View view{{moved(seen.ends), moved(seen.free), moved(seen.origins), seen.end_blocks,
+             seen.free_blocks, seen.blocks, seen.independent_hits},
+            {},
+            {}};
   for (const SubmapScan& scan : submap.scans())
     view.way.push_back((T_base_link_submap * scan.T_submap_base_link).translation());
   for (const Feature& corner : submap.features())

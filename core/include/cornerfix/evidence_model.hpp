@@ -97,6 +97,9 @@ struct EvidenceScore {
   double fit = 0.0;                             ///< Sum of the kSearchWeights [nat].
   double log_likelihood = 0.0;                  ///< Sum of the kRivalWeights [nat].
   int ends = 0;                                 ///< Beam ends judged.
+  std::vector<float> block_llr{};               ///< log_likelihood by block of the evidence [nat].
+  /// Effective number of blocks that the hits spread over: (sum n)^2 / sum n^2 of their counts n.
+  double independent_hits = 0.0;
   // Shares of the ends:
   double matched = 0.0;       ///< Within 0.15 m of a wall.
   double contradicted = 0.0;  ///< In known-free space, more than 0.3 m from a wall.
@@ -108,14 +111,12 @@ struct EvidenceScore {
 [[nodiscard]] EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
                                            const Pose2& T_map_evidence);
 
-/// Probability that the best pose is the true one. `gap` is its log-likelihood less that of the
-/// best other pose. A logistic in the gap a beam end, the number of ends, the contradictions and
-/// the share of unmapped ends, fitted over logs (docs/algorithm.md): ends on one wall are no
-/// independent witnesses, so a hundred more of them count like the logarithm of their number, not
-/// like a sum.
-[[nodiscard]] double probability_right(const EvidenceScore& best, double gap);
+/// Hits that explained_share() judges: within 0.15 m of a wall, more than 0.3 m from any wall in
+/// known-free space, and hidden behind walls.
+[[nodiscard]] int judged_hits(const EvidenceScore& score);
 
-/// The gap at which probability_right() reaches `probability`, in (0, 1).
-[[nodiscard]] double gap_for(const EvidenceScore& best, double probability);
+/// Share of the judged hits that lie within 0.15 m of a wall; 1 without judged hits. Hits in
+/// unknown space do not count.
+[[nodiscard]] double explained_share(const EvidenceScore& score);
 
 }  // namespace cornerfix

@@ -31,6 +31,9 @@ class LocalizationMap {
   [[nodiscard]] const ClassField& classes() const { return classes_; }
   [[nodiscard]] const PlaceSearch& place_search() const { return place_search_; }
 
+  /// Known-free space [m^2].
+  [[nodiscard]] double free_area_m2() const { return free_area_m2_; }
+
   /// What it keeps in memory.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -44,6 +47,7 @@ class LocalizationMap {
   DistanceField field_;
   ClassField classes_;
   PlaceSearch place_search_;
+  double free_area_m2_;
 };
 
 using LocalizationMapPtr = std::shared_ptr<const LocalizationMap>;

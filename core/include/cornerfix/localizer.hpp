@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <cornerfix/acceptance.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer_params.hpp>
@@ -20,20 +21,41 @@ enum class Status {
   kCollecting,  ///< Not enough seen yet; `reason` says what is missing.
   kAmbiguous,   ///< More than one place fits; they are in `hypotheses`, best first.
   kLocalized,   ///< `pose` is the pose at the last scan and may be trusted.
-  kLost,        ///< It was localized and the scans no longer fit; the search is on again.
+  /// It was localized and the scans no longer fit; the search is on again. Also for a single scan
+  /// that fits neither the local map nor the map: the pose returns with the same epoch.
+  kLost,
 };
 
 /// What is missing while collecting or lost. The wire names are in to_string().
 enum class Reason {
   kNone,
-  kNoReturns,     ///< The scans hold no usable return.
-  kFewFeatures,   ///< Too few corners seen to look for the place.
-  kNoMotion,      ///< Standing still adds nothing new: drive on.
-  kNoMatch,       ///< No place in the maps fits what was seen.
-  kFewEvidence,   ///< A place fits, but too little was seen to be sure.
-  kContradicted,  ///< The best place is contradicted by what was seen.
+  kNoReturns,                 ///< The scans hold no usable return.
+  kFewFeatures,               ///< Too few corners seen to look for the place.
+  kNoMotion,                  ///< Standing still adds nothing new: drive on.
+  kNoMatch,                   ///< No place in the maps fits what was seen.
+  kFewEvidence,               ///< A place fits, but too little was seen to be sure.
+  kContradicted,              ///< The best place is contradicted by what was seen.
+  kOdometryContradictsScans,  ///< As kContradicted, and odometry is ignored.
 };
 
+/// How far the answer relied on the robot's odometry.
+enum class OdometryUse {
+  kNone,          ///< The scans came without odometry.
+  kUsed,          ///< It agrees with scan matching.
+  kWeightedDown,  ///< Its errors are larger than those of usual wheel odometry.
+  kIgnored,       ///< It contradicts scan matching.
+};
+
+/// Why a pose that was `localized` was withdrawn at this scan.
+enum class Withdrawal {
+  kNone,
+  kScansLost,     ///< The scans no longer continue the local map: the robot was carried.
+  kContradicted,  ///< The scans contradict the map at this pose.
+  kRival,         ///< Another pose explains the scans better.
+};
+
+[[nodiscard]] std::string_view to_string(OdometryUse use);
+[[nodiscard]] std::string_view to_string(Withdrawal withdrawal);
 [[nodiscard]] std::string_view to_string(Status status);
 [[nodiscard]] std::string_view to_string(Reason reason);
 
@@ -51,6 +73,10 @@ struct LocalizedPose {
   LocalizationMapPtr map;
   Pose2 T_map_base_link;
   std::array<double, 9> covariance{};  ///< Row-major x y yaw [m, rad].
+  /// Rises by one at each acceptance, when the pose is not continuous with those before. Survives
+  /// reset().
+  std::uint64_t epoch = 0;
+  bool confirmed = false;  ///< Evidence seen after the acceptance, on new ground, agrees.
 };
 
 /// Milliseconds spent a step, by the clock handed to the localizer; zeros without one.
@@ -69,6 +95,9 @@ struct Answer {
   double confidence = 0.0;            ///< Probability that the best hypothesis is right, in [0, 1].
   std::vector<RankedHypothesis> hypotheses;  ///< Best first.
   Reason reason = Reason::kNone;
+  AcceptanceTerms terms;  ///< What the decision on the best hypothesis weighed last.
+  OdometryUse odometry = OdometryUse::kNone;
+  Withdrawal withdrawal = Withdrawal::kNone;  ///< Of a pose, at this scan.
   bool searched = false;     ///< Whether this scan made it look at all places of all maps.
   int local_scans = 0;       ///< Scans in the submap.
   int local_features = 0;    ///< Features of the submap.
@@ -98,6 +127,12 @@ struct LocalizerState {
   std::array<double, 9> tracking_covariance{};
   std::optional<double> usual_fit;    ///< Share of a scan's ends that are on walls where mapped.
   std::optional<double> usual_share;  ///< Share of a scan's points that match the submap.
+  std::array<double, 6> odometry_sums{};  ///< Of OdometryMonitor.
+  std::uint64_t epoch = 0;                ///< Of the last accepted pose.
+  bool confirmed = false;                 ///< The tracked pose.
+  double distance_since_acceptance_m = 0.0;
+  double searched_at_m = 0.0;        ///< The same at the last review of all poses.
+  std::uint64_t accepted_index = 0;  ///< Of the first submap scan after the acceptance.
 };
 
 /// Localizes one robot. Deterministic: same maps, params and scans give the same answers.

@@ -22,11 +22,11 @@ enum class Method {
 [[nodiscard]] std::string_view to_string(Method method);
 [[nodiscard]] std::optional<Method> method_from_string(std::string_view name);
 
-/// What makes a candidate a fix.
+/// When a candidate pose is accepted.
 struct AcceptanceParams {
   double min_probability = 0.995;  ///< Of the calibrated model; in (0, 1).
-  double min_gap = 10.0;       ///< Log-likelihood less that of the best other place [nat]; >= 0.
-  double min_mean_gap = 0.08;  ///< The same a beam end: identical rooms stay below; >= 0.
+  double min_gap = 3.0;        ///< Log-likelihood less that of the best other place [nat]; >= 0.
+  double min_mean_gap = 0.02;  ///< The same a beam end: identical rooms stay below; >= 0.
 };
 
 struct LocalizerParams {

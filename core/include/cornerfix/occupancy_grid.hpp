@@ -1,6 +1,7 @@
 /// \file  A floor plan in cells: free, occupied or unknown.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -53,6 +54,11 @@ struct OccupancyGrid {
   /// Centre of a cell, in frame `grid`.
   [[nodiscard]] Point2 center(CellIndex c) const {
     return {(c.column + 0.5) * resolution, (c.row + 0.5) * resolution};
+  }
+
+  /// Area of the known-free cells [m^2]. O(cells).
+  [[nodiscard]] double free_area_m2() const {
+    return static_cast<double>(std::ranges::count(cells, Cell::kFree)) * resolution * resolution;
   }
 
   friend bool operator==(const OccupancyGrid&, const OccupancyGrid&) = default;

@@ -74,6 +74,11 @@ class Submap {
   [[nodiscard]] RefinedPose match(std::span<const Point2> points_base_link, const PosePrior& prior,
                                   const Pose2& start) const;
 
+  /// Information of x, y, yaw that the points give at a matched pose, along the axes of base_link;
+  /// singular where they do not constrain it. O(points).
+  [[nodiscard]] Eigen::Matrix3d match_information(std::span<const Point2> points_base_link,
+                                                  const Pose2& T_submap_base_link) const;
+
   /// The pose about `middle` whose points lie nearest to walls, for a start that match() would not
   /// find by itself. O(points * shifts^2 * turns).
   [[nodiscard]] FoundStart search(std::span<const Point2> points_base_link, const Pose2& middle,

@@ -29,6 +29,9 @@ Answer localized_answer() {
                         .inliers = 12,
                         .score = 0.875,
                         .evidence = {}}};
+  answer.odometry = OdometryUse::kWeightedDown;
+  answer.pose->epoch = 3;
+  answer.pose->confirmed = true;
   answer.local_scans = 40;
   answer.local_features = 23;
   answer.T_submap_base_link = {1.0, 2.0, 0.5};
@@ -41,11 +44,12 @@ TEST(RenderAnswer, IsTheExampleOfTheContract) {
   EXPECT_EQ(json.dump(), Json::parse(R"({
     "session": "s-1", "sequence": 12, "status": "localized",
     "pose": {"map": "office-2", "revision": 7, "stamp": 1284.2, "x": 4.5, "y": -0.75, "yaw": 1.5,
-             "covariance": [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0]},
+             "covariance": [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0],
+             "epoch": 3, "confirmed": true},
     "confidence": 0.998,
     "hypotheses": [{"map": "office-2", "revision": 7, "x": 4.5, "y": -0.75, "yaw": 1.5,
                     "votes": 31, "inliers": 12, "score": 0.875}],
-    "reason": null,
+    "reason": null, "odometry": "weighted_down",
     "local": {"scans": 40, "features": 23, "pose": {"x": 1.0, "y": 2.0, "yaw": 0.5}},
     "timing_ms": {"odometry": 0.5, "extract": 0.25, "match": 3.0, "verify": 1.0, "track": 0.125,
                   "total": 4.875}})")

@@ -146,15 +146,6 @@ TEST(EvidenceModel, ABeamThatGrazesAWallIsNotHidden) {
   EXPECT_EQ(score.end_counts[kHiddenNear] + score.end_counts[kHiddenFar], 0);
 }
 
-TEST(EvidenceModel, TheGapForAProbabilityReachesIt) {
-  EvidenceScore best;
-  best.ends = 150;
-  best.contradicted = 0.01;
-  for (const double probability : {0.5, 0.9, 0.985, 0.999})
-    EXPECT_NEAR(probability_right(best, gap_for(best, probability)), probability, 1e-9);
-  EXPECT_LT(gap_for(best, 0.9), gap_for(best, 0.99));
-}
-
 TEST(EvidenceModel, NoEvidenceScoresNothing) {
   const EvidenceScore score = score_evidence(classes_of(room_grid()), {}, {6.0, 5.0, 0.0});
   EXPECT_EQ(score.log_likelihood, 0.0);
@@ -181,35 +172,29 @@ TEST(EvidenceModel, ATurnedGridScoresTheSame) {
               0.1 * std::abs(straight));
 }
 
-EvidenceScore good_score() {
-  EvidenceScore score;
-  score.ends = 200;
-  score.contradicted = 0.02;
-  return score;
+TEST(EvidenceModel, TheLogLikelihoodIsSharedOutAmongTheBlocks) {
+  const Pose2 truth{6.0, 5.0, 0.7};
+  const Evidence evidence = evidence_at(testing::figure7_room(), truth);
+  const EvidenceScore score = score_evidence(classes_of(room_grid()), evidence, truth);
+  ASSERT_EQ(score.block_llr.size(), evidence.blocks);
+  ASSERT_GT(evidence.blocks, 4U);
+  double sum = 0.0;
+  for (const float block : score.block_llr) sum += static_cast<double>(block);
+  EXPECT_NEAR(sum, score.log_likelihood, 1e-3);
 }
 
-TEST(EvidenceModel, ProbabilityGrowsWithTheGap) {
-  double last = probability_right(good_score(), 0.0);
-  for (double gap = 5.0; gap <= 300.0; gap += 5.0) {
-    const double probability = probability_right(good_score(), gap);
-    EXPECT_GT(probability, last) << "gap " << gap;
-    EXPECT_LE(probability, 1.0);
-    last = probability;
-  }
-  EXPECT_GT(last, 0.9);
+TEST(EvidenceModel, TheTruePoseExplainsItsHitsAndATurnedOneDoesNot) {
+  const Pose2 truth{6.0, 5.0, 0.7};
+  const Evidence evidence = evidence_at(testing::figure7_room(), truth);
+  const ClassField classes = classes_of(room_grid());
+  EXPECT_GT(explained_share(score_evidence(classes, evidence, truth)), 0.95);
+  EXPECT_LT(explained_share(score_evidence(classes, evidence, truth * Pose2{0.0, 0.0, 0.5})), 0.6);
 }
 
-TEST(EvidenceModel, ProbabilityFallsWithContradictions) {
-  EvidenceScore contradicted = good_score();
-  contradicted.contradicted = 0.3;
-  const double good = probability_right(good_score(), 60.0);
-  EXPECT_LT(probability_right(contradicted, 60.0), good);
-}
-
-TEST(EvidenceModel, WithoutGapOrEvidenceNothingIsProbable) {
-  EXPECT_LT(probability_right(good_score(), 0.0), 0.01);
-  EXPECT_LT(probability_right(good_score(), -10.0), 0.01);
-  EXPECT_LT(probability_right({}, 100.0), 0.01);
+TEST(EvidenceModel, HitsInUnknownSpaceDoNotCountAsUnexplained) {
+  const OccupancyGrid empty;
+  const ClassField classes(empty, DistanceField(empty));
+  EXPECT_EQ(explained_share(score_evidence(classes, {.ends = {{0.0, 0.0}}}, {})), 1.0);
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Localizer, LocalizerWithMethod,
 class LocalizerWithLidar : public ::testing::TestWithParam<testing::Lidar> {};
 
 TEST_P(LocalizerWithLidar, FindsTheRobot) {
-  const std::vector<Moment> moments = room_drive(2, 25, {.lidar = GetParam()});
+  const std::vector<Moment> moments = room_drive(2, 60, {.lidar = GetParam()});
   const std::vector<Answer> answers = answers_of({room_map(2)}, with(Method::kIndexed), moments);
   EXPECT_EQ(count_wrong(answers, moments), 0U);
   expect_localized_at(answers.back(), moments.back().T_map_base_link);

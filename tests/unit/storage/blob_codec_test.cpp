@@ -139,8 +139,8 @@ TEST_P(EveryBlob, SurvivesAnyResealedByte) {
 
 TEST(BlobCodec, BeginsWithVersionAndKind) {
   for (std::size_t i = 0; i < codecs().size(); ++i) {
-    const bool second = codecs()[i].name == "Features" || codecs()[i].name == "LocalizerState";
-    EXPECT_EQ(codecs()[i].sample[0], second ? 2 : 1);
+    const std::string& name = codecs()[i].name;
+    EXPECT_EQ(codecs()[i].sample[0], name == "LocalizerState" ? 3 : name == "Features" ? 2 : 1);
     EXPECT_EQ(codecs()[i].sample[1], i + 1) << codecs()[i].name;
   }
 }
@@ -210,16 +210,40 @@ TEST(BlobCodec, GivesBackALocalizerStateBitForBit) {
   EXPECT_EQ(outline.submap, keys);
 }
 
+// Where the fields that a version added begin in the newest one, and how long they are.
+constexpr std::ptrdiff_t kSecondVersion = 150;
+constexpr std::ptrdiff_t kSecondSize = 98;
+constexpr std::ptrdiff_t kThirdVersion = kSecondVersion + kSecondSize;
+constexpr std::ptrdiff_t kThirdSize = 81;
+
+void forget_third_version(LocalizerState& state) {
+  state.odometry_sums = {};
+  state.epoch = 0;
+  state.confirmed = false;
+  state.distance_since_acceptance_m = 0.0;
+  state.searched_at_m = 0.0;
+  state.accepted_index = 0;
+}
+
+TEST(BlobCodec, ReadsALocalizerStateOfTheSecondVersion) {
+  LocalizerState state = sample_state(0, 0, 3);
+  Blob second = encode_localizer_state(state, {});
+  second.erase(second.begin() + kThirdVersion, second.begin() + kThirdVersion + kThirdSize);
+  second[0] = 2;
+  forget_third_version(state);
+  EXPECT_TRUE(is_same(decode_localizer_state(resealed(second)).value().state, state));
+}
+
 TEST(BlobCodec, ReadsALocalizerStateOfTheFirstVersion) {
   LocalizerState state = sample_state(0, 0, 3);
-  const Blob newest = encode_localizer_state(state, {});
-  Blob first(newest.begin(), newest.begin() + 150);
-  first.insert(first.end(), newest.begin() + 150 + 98, newest.end());
+  Blob first = encode_localizer_state(state, {});
+  first.erase(first.begin() + kSecondVersion, first.begin() + kThirdVersion + kThirdSize);
   first[0] = 1;
   state.misfit_way_m = 0.0;
   state.tracking_covariance = {};
   state.usual_fit.reset();
   state.usual_share.reset();
+  forget_third_version(state);
   EXPECT_TRUE(is_same(decode_localizer_state(resealed(first)).value().state, state));
 }
 

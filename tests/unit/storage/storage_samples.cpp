@@ -146,6 +146,12 @@ LocalizerState sample_state(std::uint64_t first_index, int count, int seed) {
   state.tracking_covariance = {4e-4, 1e-5, 0.0, 1e-5, 9e-4, 0.0, 0.0, 0.0, 1e-5};
   state.usual_fit = 0.8;
   state.usual_share = 0.9;
+  state.odometry_sums = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  state.epoch = 3;
+  state.confirmed = true;
+  state.distance_since_acceptance_m = 4.5;
+  state.searched_at_m = 3.0;
+  state.accepted_index = 12;
   return state;
 }
 
@@ -210,7 +216,10 @@ bool is_same(const LocalizerState& a, const LocalizerState& b) {
          a.tracked_map == b.tracked_map && is_same(a.T_map_submap, b.T_map_submap) &&
          a.misfits == b.misfits && a.misfit_way_m == b.misfit_way_m &&
          a.tracking_covariance == b.tracking_covariance && a.usual_fit == b.usual_fit &&
-         a.usual_share == b.usual_share;
+         a.usual_share == b.usual_share && a.odometry_sums == b.odometry_sums &&
+         a.epoch == b.epoch && a.confirmed == b.confirmed &&
+         a.distance_since_acceptance_m == b.distance_since_acceptance_m &&
+         a.searched_at_m == b.searched_at_m && a.accepted_index == b.accepted_index;
 }
 
 bool is_same(const SessionRecord& a, const SessionRecord& b) {
