@@ -1,45 +1,55 @@
 #!/usr/bin/env python3
-"""Learns what evidence weighs and how sure it makes, from the samples of `cornerfix evaluate --samples`.
+"""Learns the acceptance model from the samples of `cornerfix evaluate --samples`.
 
-Prints the table of weights that these samples give, the coefficients of the logistic for the table that core's
-evidence_model holds, and for each building how the numbers learnt from all others do on it. See docs/algorithm.md.
-Needs numpy.
+Usage: calibrate.py DOMAIN.csv... One file per domain (offices, outdoor, warehouses, ...); the column
+`log` names the building. Prints the table of evidence weights that these samples give, the coefficients
+of core's acceptance model, and how well models without a building and without a domain do on it.
+See docs/algorithm.md, "The decision". Needs numpy and scipy.
 """
 import collections
 import csv
 import pathlib
-import re
 import sys
 
 import numpy as np
+from scipy.optimize import minimize
 
 END_CLASSES, PASS_CLASSES = 14, 4
-MATCHED = slice(0, 3)  # ends within 0.15 m of a wall
-CONTRADICTED = slice(5, 8)  # ends in known-free space, more than 0.3 m from a wall
-UNKNOWN = slice(8, 12)  # unmapped
+MATCHED = slice(0, 3)  # hits within 0.15 m of a wall
+UNKNOWN = slice(8, 12)  # hits in unknown space
 HIDDEN = slice(12, 14)
 UNKNOWN_PASSED = 3
-UNSEEN = -0.1  # What the map does not know says nothing; a trace keeps the search out of it.
+UNSEEN = -0.1  # Unknown space must not raise the score; a trace keeps the search out of it.
 RARE = 0.002
-LEAST_RIVAL, RIVAL_MARGIN = -0.5, 0.75  # nats an end, as in core's localizer
-MIN_GAP, MIN_MEAN_GAP = 10, 0.08  # as in AcceptanceParams
-PLAUSIBLE = 0.5  # share of matched ends from which a wrong pose is a rival
-PROBABILITIES = (0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
-HEADER = pathlib.Path(__file__).parent.parent / "core/include/cornerfix/evidence_model.hpp"
+PLAUSIBLE = 0.5  # share of matched hits from which a wrong pose is a rival
+MIN_MARGIN, MIN_MARGIN_PER_HIT = 3, 0.02  # as in AcceptanceParams
+# The a-contrario test is calibrated by theory, where the slope is 1; samples of few buildings leave it
+# open. Slopes near 0.8 fit all domains that have wrong poses with a low significance.
+SIGNIFICANCE_SLOPE = 0.8
+NO_RIVAL = 7.99  # evidence against rivals when there is none
+LEAST_GROUP = 250  # samples; smaller domains weigh in proportion
+PROBABILITIES = (0.9, 0.95, 0.98, 0.99, 0.995)
 
 
 class Samples:
-    def __init__(self, path):
-        rows = list(csv.DictReader(open(path)))
-
-        def counts(place, kind, classes):
-            return np.array([[float(row[f"{place}_{kind}{i}"]) for i in range(classes)] for row in rows])
-
-        self.ends = {place: counts(place, "end", END_CLASSES) for place in ("best", "second")}
-        self.passes = {place: counts(place, "pass", PASS_CLASSES) for place in ("best", "second")}
-        self.right = np.array([int(row["right"]) for row in rows])
+    def __init__(self, paths):
+        rows = []
+        for path in paths:
+            for row in csv.DictReader(open(path)):
+                rows.append({**row, "domain": pathlib.Path(path).stem})
+        column = lambda name: np.array([float(row[name]) for row in rows])
+        counts = lambda pose, kind, n: np.array([[float(row[f"{pose}_{kind}{i}"]) for i in range(n)] for row in rows])
+        self.ends = {pose: counts(pose, "end", END_CLASSES) for pose in ("best", "second")}
+        self.passes = {pose: counts(pose, "pass", PASS_CLASSES) for pose in ("best", "second")}
+        self.right = column("right").astype(int)
+        self.hits = self.ends["best"].sum(axis=1)
+        self.terms = {name: column(name) for name in ("significance", "margin_per_hit", "rival_evidence",
+                                                      "unknown_share")}
         self.building = np.array([row["log"].split(":")[-1] for row in rows])
+        self.domain = np.array([row["domain"] for row in rows])
         self.mirrored = np.array([row["log"].startswith("mirrored:") for row in rows])
+        margin = self.terms["margin_per_hit"]
+        self.acceptable = (margin >= MIN_MARGIN_PER_HIT) & (margin * self.hits >= MIN_MARGIN)
 
 
 def shares(counts):
@@ -48,16 +58,16 @@ def shares(counts):
 
 
 def learn_weights(samples, chosen):
-    """ln(P(class | true pose) / P(class | plausible wrong pose)), each sample weighing the same."""
+    """ln(P(class | correct pose) / P(class | plausible wrong pose)), each sample weighing the same."""
     right = samples.right[chosen] == 1
-    plausible = {place: shares(samples.ends[place][chosen])[:, MATCHED].sum(axis=1) >= PLAUSIBLE
-                 for place in ("best", "second")}
+    plausible = {pose: shares(samples.ends[pose][chosen])[:, MATCHED].sum(axis=1) >= PLAUSIBLE
+                 for pose in ("best", "second")}
 
     def weights(counts):
         best, second = shares(counts["best"][chosen]), shares(counts["second"][chosen])
-        true = best[right].sum(axis=0)
+        correct = best[right].sum(axis=0)
         wrong = second[right & plausible["second"]].sum(axis=0) + best[~right & plausible["best"]].sum(axis=0)
-        return np.log((true / true.sum() + RARE) / (wrong / wrong.sum() + RARE))
+        return np.log((correct / correct.sum() + RARE) / (wrong / wrong.sum() + RARE))
 
     ends, passes = weights(samples.ends), weights(samples.passes)
     for cells in (UNKNOWN, HIDDEN):
@@ -66,77 +76,75 @@ def learn_weights(samples, chosen):
     return ends, passes
 
 
-def weights_in_core():
-    table = re.search(r"kRivalWeights\{(.*?)\}\};", HEADER.read_text(), re.DOTALL).group(1)
-    values = [float(value) for value in re.findall(r"(-?[\d.]+)F", table)]
-    return np.array(values[:END_CLASSES]), np.array(values[END_CLASSES:])
+def sigmoid(x):
+    return 1 / (1 + np.exp(-np.clip(x, -40, 40)))
 
 
-def features(samples, chosen, weights):
-    """The terms of the logistic, and which samples may be accepted at all."""
-    ends, passes = weights
-    best, second = (samples.ends[place][chosen] @ ends + samples.passes[place][chosen] @ passes
-                    for place in ("best", "second"))
-    count = samples.ends["best"][chosen].sum(axis=1)
-    second = np.where(samples.ends["second"][chosen].sum(axis=1) > 0, second, -np.inf)
-    floor = np.maximum(LEAST_RIVAL * count, best - RIVAL_MARGIN * count)
-    gap = np.maximum(0, best - np.maximum(second, floor))
-    contradicted, unmapped = (samples.ends["best"][chosen][:, cells].sum(axis=1) / count
-                              for cells in (CONTRADICTED, UNKNOWN))
-    x = np.column_stack([np.ones(len(gap)), gap / count, np.log(contradicted + 0.02), np.log(1.02 - unmapped),
-                         np.log(np.maximum(count, 1))])
-    return x, (gap >= MIN_GAP) & (gap >= MIN_MEAN_GAP * count)
+def margin_terms(samples, chosen):
+    terms = {name: values[chosen] for name, values in samples.terms.items()}
+    return np.column_stack([np.ones(len(chosen)), terms["margin_per_hit"], np.log(1.02 - terms["unknown_share"])])
 
 
-def fit_logistic(x, y, importance):
-    """Newton's method on the weighted likelihood, with a trace of a prior."""
-    coefficients = np.zeros(x.shape[1])
-    prior = 1e-2 * np.eye(x.shape[1])
-    for _ in range(60):
-        p = probability(x, coefficients)
-        gradient = x.T @ (importance * (p - y)) + prior @ np.r_[0, coefficients[1:]]
-        step = np.linalg.solve((x * (importance * p * (1 - p))[:, None]).T @ x + prior, gradient)
-        coefficients -= step
-        if np.abs(step).max() < 1e-8:
-            break
-    return coefficients
+def explained(samples, chosen, offset):
+    return sigmoid(offset + SIGNIFICANCE_SLOPE * samples.terms["significance"][chosen])
 
 
-def probability(x, coefficients):
-    return 1 / (1 + np.exp(-np.clip(x @ coefficients, -30, 30)))
+def no_rival(samples, chosen, offset):
+    evidence = samples.terms["rival_evidence"][chosen]
+    return np.where(evidence < NO_RIVAL, sigmoid(offset + evidence), 1)
 
 
-def learn_decision(samples, chosen, weights):
-    """Over the samples that may be accepted, each building weighing the same."""
-    x, distinct = features(samples, chosen, weights)
-    buildings = samples.building[chosen][distinct]
-    size = collections.Counter(buildings)
-    importance = np.array([len(buildings) / len(size) / size[name] for name in buildings])
-    return fit_logistic(x[distinct], samples.right[chosen][distinct], importance)
+def importance_of(samples, chosen):
+    """Each domain weighs the same, but for small ones."""
+    size = collections.Counter(samples.domain[chosen])
+    weight = np.array([1 / max(LEAST_GROUP, size[name]) for name in samples.domain[chosen]])
+    return weight / weight.sum()
 
 
-def decide(samples, chosen, weights, coefficients):
-    x, distinct = features(samples, chosen, weights)
-    return np.where(distinct, probability(x, coefficients), 0)
+def learn(samples, chosen):
+    """Maximum likelihood of the product of the three factors, with a weak prior on the slopes."""
+    chosen = chosen[samples.acceptable[chosen]]
+    x, y, weight = margin_terms(samples, chosen), samples.right[chosen], importance_of(samples, chosen)
+    scale = np.r_[1, x[:, 1:].std(axis=0) + 1e-9]
+    prior = 0.1 / len(chosen) * np.r_[0, 0, 0, np.ones(x.shape[1] - 1)]
+
+    def loss(parameters):
+        by_itself, rival = explained(samples, chosen, parameters[0]), no_rival(samples, chosen, parameters[1])
+        margin = sigmoid((x / scale) @ parameters[2:])
+        p = np.clip(by_itself * rival * margin, 1e-9, 1 - 1e-9)
+        value = -(weight * (y * np.log(p) + (1 - y) * np.log(1 - p))).sum() + (prior * parameters**2).sum()
+        slope = weight * (p - y) / (1 - p)
+        gradient = np.r_[(slope * (1 - by_itself)).sum(), (slope * (1 - rival)).sum(),
+                         (x / scale).T @ (slope * (1 - margin))]
+        return value, gradient + 2 * prior * parameters
+
+    start = np.r_[8, 1, 1, np.full(x.shape[1] - 1, 0.3)]
+    found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": 3000}).x
+    return found[0], found[1], found[2:] / scale
+
+
+def decide(samples, chosen, model):
+    offset, rival_offset, coefficients = model
+    p = (explained(samples, chosen, offset) * no_rival(samples, chosen, rival_offset)
+         * sigmoid(margin_terms(samples, chosen) @ coefficients))
+    return np.where(samples.acceptable[chosen], p, 0)
 
 
 def calibration_error(p, right, bins=10):
     groups = np.array_split(np.argsort(p), bins)
-    return sum(len(g) * abs(p[g].mean() - right[g].mean()) for g in groups if len(g)) / len(p)
+    return sum(len(g) * abs(p[g].mean() - right[g].mean()) for g in groups if len(g)) / max(1, len(p))
 
 
 def report(name, p, right):
-    distinct = p > 0
-    cells = []
-    for least in PROBABILITIES:
-        taken = p >= least
-        cells.append(f"{least}: {right[taken].sum()}/{right.sum()} right, {(1 - right)[taken].sum()} wrong")
-    error = calibration_error(p[distinct], right[distinct])
-    print(f"{name}: {len(p)} samples, {distinct.sum()} distinct, ECE {error:.3f}; at p >= " + "; ".join(cells))
+    judged = p > 0
+    cells = [f"{least}: {right[p >= least].sum()}/{right.sum()} right, {(1 - right)[p >= least].sum()} wrong"
+             for least in PROBABILITIES]
+    error = calibration_error(p[judged], right[judged])
+    print(f"{name}: {len(p)} samples, ECE {error:.3f}; at p >= " + "; ".join(cells))
 
 
 def curve(p, right):
-    print("said, happened, samples:")
+    print("mean probability, share correct, samples:")
     edges = (0.0001, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 1.0001)
     for low, high in zip(edges, edges[1:]):
         here = (p >= low) & (p < high)
@@ -144,27 +152,32 @@ def curve(p, right):
             print(f"  {p[here].mean():.3f}, {right[here].mean():.3f}, {here.sum()}")
 
 
-def main():
-    samples = Samples(sys.argv[1])
-    mirrored, everything = np.flatnonzero(samples.mirrored), np.flatnonzero(~samples.mirrored)
-    print("left out:")
+def leave_out(samples, everything, groups, title):
+    print(f"without the {title}:")
     held_out = np.zeros(len(samples.right))
-    for building in sorted(set(samples.building)):
-        here = samples.building[everything] == building
+    for group in sorted(set(groups[everything])):
+        here = groups[everything] == group
         rest, test = everything[~here], everything[here]
-        weights = learn_weights(samples, rest)
-        held_out[test] = decide(samples, test, weights, learn_decision(samples, rest, weights))
-        report(building, held_out[test], samples.right[test])
-    report("pooled", held_out[everything], samples.right[everything])
+        held_out[test] = decide(samples, test, learn(samples, rest))
+        report(f"  {group}", held_out[test], samples.right[test])
+    report("  pooled", held_out[everything], samples.right[everything])
     curve(held_out[everything], samples.right[everything])
-    weights = weights_in_core()
-    coefficients = learn_decision(samples, everything, weights)
-    report("all, with core's weights", decide(samples, everything, weights, coefficients), samples.right[everything])
-    # The localizer looks for the mirror image of what it sees before a fix: so these never taught it.
-    report("mirrored, before that check", decide(samples, mirrored, weights, coefficients), samples.right[mirrored])
-    learnt = learn_weights(samples, everything)
-    print("kRivalWeights, from these samples", learnt[0].round(2).tolist(), learnt[1].round(2).tolist())
-    print("logistic, with core's weights", coefficients.round(3).tolist())
+
+
+def main():
+    samples = Samples(sys.argv[1:])
+    mirrored, everything = np.flatnonzero(samples.mirrored), np.flatnonzero(~samples.mirrored)
+    leave_out(samples, everything, samples.building, "building")
+    leave_out(samples, everything, samples.domain, "domain")
+    model = learn(samples, everything)
+    report("all", decide(samples, everything, model), samples.right[everything])
+    if len(mirrored):  # The localizer looks for the mirror image before it accepts: not learnt from.
+        report("mirrored, before that check", decide(samples, mirrored, model), samples.right[mirrored])
+    weights = learn_weights(samples, everything)
+    print("kRivalWeights, from these samples", weights[0].round(2).tolist(), weights[1].round(2).tolist())
+    names = ("kExplainedOffset", "kRivalOffset", "kMarginOffset", "kMarginSlope", "kKnownSlope")
+    for name, value in zip(names, [*model[:2], *model[2]]):
+        print(f"constexpr double {name} = {value:.3f};")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ case "${1:-}" in
   test) wanted=("${build[@]}" "${test[@]}") ;;
   fuzz) wanted=("${build[@]}" clang-14 libclang-rt-14-dev) ;;
   bench) wanted=("${build[@]}" git libmrpt-slam-dev libopencv-features2d-dev python3-matplotlib python3-numpy) ;;
-  calibrate) wanted=("${build[@]}" python3-numpy) ;;
+  calibrate) wanted=("${build[@]}" python3-numpy python3-scipy) ;;
   *) echo "usage: $0 build|test|fuzz|bench|calibrate" >&2; exit 2 ;;
 esac
 
