@@ -356,7 +356,7 @@ Parsed<std::size_t> parse_page_limit(std::string_view text) {
 
 Parsed<std::size_t> parse_session_page_token(std::string_view text) {
   constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::int64_t>::max());
-  const auto token = parse_whole_number("page_token", text, 0, kMost);
+  auto token = parse_whole_number("page_token", text, 0, kMost);
   if (std::holds_alternative<std::size_t>(token)) return token;
   return wrong_query("page_token", "must be next_page_token of the page before");
 }

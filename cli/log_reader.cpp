@@ -43,10 +43,10 @@ std::string faults_text(const LogFaults& faults) {
 
 }  // namespace
 
-LogReader::LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path,
+LogReader::LogReader(std::unique_ptr<LogSource> source, std::filesystem::path path,
                      double scan_time)
     : source_(std::move(source)),
-      path_(path),
+      path_(std::move(path)),
       order_(std::make_unique<StampOrder>()),
       straightener_(std::make_unique<ScanStraightener>()),
       scan_time_(scan_time) {}

@@ -110,7 +110,7 @@ class LogReader {
   [[nodiscard]] std::optional<Error> most_scans_lost() const;
 
  private:
-  LogReader(std::unique_ptr<LogSource> source, const std::filesystem::path& path, double scan_time);
+  LogReader(std::unique_ptr<LogSource> source, std::filesystem::path path, double scan_time);
   [[nodiscard]] std::optional<LogScan> next_in_order();
 
   std::unique_ptr<LogSource> source_;

@@ -42,7 +42,7 @@ bool is_local_name(const std::string& name) {
 
 }  // namespace
 
-HostCheck::HostCheck(std::string listen, std::vector<std::string> allowed_hosts)
+HostCheck::HostCheck(const std::string& listen, std::vector<std::string> allowed_hosts)
     : listen_(lower_case(listen)), allowed_hosts_(std::move(allowed_hosts)) {
   for (std::string& host : allowed_hosts_) host = lower_case(host);
 }

@@ -14,7 +14,7 @@ class HostCheck {
  public:
   /// \param listen  The address that the server is bound to.
   /// \param allowed_hosts  Further names of the server, without ports.
-  HostCheck(std::string listen, std::vector<std::string> allowed_hosts);
+  HostCheck(const std::string& listen, std::vector<std::string> allowed_hosts);
 
   /// Whether a Host header names this server. A server on loopback has loopback's names and
   /// addresses; one on other addresses also has any address, and names that no public DNS has:

@@ -73,10 +73,11 @@ void add_common_headers(Response& response, const std::string& request_id) {
 std::string last_answer(const Response& response) {
   std::string text = "HTTP/1.1 " + std::to_string(response.status) + " ";
   text.append(title_of(response.status)).append("\r\n");
-  for (const auto& [name, value] : response.headers) text += name + ": " + value + "\r\n";
-  text += "Content-Type: " + response.content_type + "\r\n";
-  text += "Content-Length: " + std::to_string(response.body.size()) + "\r\n";
-  return text + "Connection: close\r\n\r\n" + response.body;
+  for (const auto& [name, value] : response.headers)
+    text.append(name).append(": ").append(value).append("\r\n");
+  text.append("Content-Type: ").append(response.content_type).append("\r\n");
+  text.append("Content-Length: ").append(std::to_string(response.body.size())).append("\r\n");
+  return text.append("Connection: close\r\n\r\n").append(response.body);
 }
 
 Response json_response(int status, std::string json) {

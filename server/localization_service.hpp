@@ -55,8 +55,8 @@ using SessionCounts = std::array<std::size_t, 4>;
 /// What a batch changed, for counting.
 struct BatchEvents {
   std::size_t scans = 0;
-  std::size_t fixes = 0;  ///< Times that it became localized.
-  std::size_t lost = 0;   ///< Times that it became lost.
+  std::size_t fixes = 0;                            ///< Times that it became localized.
+  std::size_t lost = 0;                             ///< Times that it became lost.
   std::map<Withdrawal, std::size_t> withdrawals{};  ///< Poses withdrawn, by cause.
   std::size_t odometry_ignored = 0;                 ///< Scans whose odometry was ignored.
 };

@@ -136,7 +136,7 @@ class BagLog final : public LogSource {
     const auto highest = std::find_if(
         above.rbegin(), above.rend(),
         [](const FrameTree::Ancestor& ancestor) { return ancestor.T_ancestor_frame.has_value(); });
-    const Eigen::Matrix3d rotation = highest->T_ancestor_frame->T.rotation();
+    const Eigen::Matrix3d rotation = highest->T_ancestor_frame->transform.rotation();
     wait(message, {cloud->frame, slice(*cloud, rotation, height_), 0.0}, true);
   }
 
@@ -189,13 +189,13 @@ class BagLog final : public LogSource {
     out.time_increment = waiting.message.time_increment;
     const auto in_map = find_in_map(waiting);
     const auto in_odom = find_in_odom(waiting);
-    if (in_map) out.T_map_laser = on_the_floor(in_map->T);
-    if (in_odom) out.T_odom_laser = on_the_floor(in_odom->T_odom_frame.T);
+    if (in_map) out.T_map_laser = on_the_floor(in_map->transform);
+    if (in_odom) out.T_odom_laser = on_the_floor(in_odom->T_odom_frame.transform);
     if (in_odom && !in_odom->note.empty()) note_assumption(in_odom->note);
     count_odometry(in_odom.has_value(), waiting.message.frame);
     double upright = 1.0;
-    if (in_map) upright = uprightness(in_map->T);
-    if (in_odom) upright = uprightness(in_odom->T_odom_frame.T);
+    if (in_map) upright = uprightness(in_map->transform);
+    if (in_odom) upright = uprightness(in_odom->T_odom_frame.transform);
     if (!waiting.is_level && std::abs(upright) < kLeastUpright) {
       faults.add_scan(waiting.where, "the laser does not look along the floor: it is tilted by " +
                                          std::to_string(std::acos(upright)) + " rad");

@@ -40,7 +40,8 @@ std::vector<FrameTree::Ancestor> FrameTree::ancestors(const std::string& frame,
                                                      : edge.track.at(stamp);
     Ancestor above{edge.parent, std::nullopt, edge.track.has_moved()};
     if (const auto& below = chain.back().T_ancestor_frame; below && step) {
-      above.T_ancestor_frame = {step->T * below->T, step->is_final && below->is_final};
+      above.T_ancestor_frame = {step->transform * below->transform,
+                                step->is_final && below->is_final};
     }
     chain.push_back(std::move(above));
   }
@@ -64,7 +65,7 @@ std::optional<FoundTransform> FrameTree::between(const std::string& target,
     const auto& T_common_target = common->T_ancestor_frame;
     const auto& T_common_source = above_source.T_ancestor_frame;
     if (!T_common_target || !T_common_source) return std::nullopt;
-    return FoundTransform{T_common_target->T.inverse() * T_common_source->T,
+    return FoundTransform{T_common_target->transform.inverse() * T_common_source->transform,
                           T_common_target->is_final && T_common_source->is_final};
   }
   return std::nullopt;

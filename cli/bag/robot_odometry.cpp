@@ -62,9 +62,9 @@ std::optional<RobotOdometry::Found> RobotOdometry::from_messages(const FrameTree
   if (!T_odom_child) return std::nullopt;
   const std::string& frame = ancestors.front().name;
   if (const auto T_child_frame = frames.between(child_, frame, stamp)) {
-    return Found{
-        {T_odom_child->T * T_child_frame->T, T_odom_child->is_final && T_child_frame->is_final},
-        ""};
+    return Found{{T_odom_child->transform * T_child_frame->transform,
+                  T_odom_child->is_final && T_child_frame->is_final},
+                 ""};
   }
   const Ancestor& root = ancestors.back();
   const bool is_elsewhere =
@@ -74,7 +74,8 @@ std::optional<RobotOdometry::Found> RobotOdometry::from_messages(const FrameTree
   note += root.name == frame ? "the laser is taken to be at " + child_
                              : root.name + " is taken to be " + child_;
   // A transform that is still to come may connect them.
-  return Found{{T_odom_child->T * root.T_ancestor_frame->T, false}, std::move(note)};
+  return Found{{T_odom_child->transform * root.T_ancestor_frame->transform, false},
+               std::move(note)};
 }
 
 }  // namespace cornerfix::cli

@@ -29,7 +29,7 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& a, const Eigen::Isometry3
 void TransformTrack::add(double stamp, const Eigen::Isometry3d& T) {
   if (!samples_.empty()) {
     const Sample& last = samples_.back();
-    has_moved_ = has_moved_ || !last.T.isApprox(T, 1e-9);
+    has_moved_ = has_moved_ || !last.transform.isApprox(T, 1e-9);
     if (stamp < last.stamp - kSetBackSeconds) {
       run_before_ = std::exchange(samples_, {});
     } else if (stamp <= last.stamp) {
@@ -55,14 +55,15 @@ std::optional<FoundTransform> TransformTrack::at(const Samples& samples, double 
   if (after == samples.end()) {
     const Sample& last = samples.back();
     if (stamp - last.stamp > kHeldSeconds) return std::nullopt;
-    return FoundTransform{last.T, false};
+    return FoundTransform{last.transform, false};
   }
-  if (after->stamp == stamp) return FoundTransform{after->T, true};
+  if (after->stamp == stamp) return FoundTransform{after->transform, true};
   if (after == samples.begin()) return std::nullopt;
   const Sample& before = *std::prev(after);
   const double gap = after->stamp - before.stamp;
   if (gap > kMaxGapSeconds) return std::nullopt;
-  return FoundTransform{interpolate(before.T, after->T, (stamp - before.stamp) / gap), true};
+  return FoundTransform{
+      interpolate(before.transform, after->transform, (stamp - before.stamp) / gap), true};
 }
 
 }  // namespace cornerfix::cli

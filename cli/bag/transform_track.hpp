@@ -8,7 +8,7 @@
 namespace cornerfix::cli {
 
 struct FoundTransform {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
   bool is_final = true;  ///< No transform that is still to come can change it.
 };
 
@@ -28,7 +28,7 @@ class TransformTrack {
  private:
   struct Sample {
     double stamp;
-    Eigen::Isometry3d T;
+    Eigen::Isometry3d transform;
   };
 
   using Samples = std::deque<Sample>;  ///< By stamp.

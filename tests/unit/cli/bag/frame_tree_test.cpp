@@ -28,8 +28,8 @@ TEST(FrameTree, InterpolatesBetweenStampsTheShortWayRound) {
   const auto found = frames.find("odom", "laser", 1.5);
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->is_final);
-  EXPECT_NEAR(found->T.translation().x(), 2.5, 1e-12);
-  EXPECT_NEAR(found->T(0, 0), std::cos(std::numbers::pi), 1e-9);
+  EXPECT_NEAR(found->transform.translation().x(), 2.5, 1e-12);
+  EXPECT_NEAR(found->transform(0, 0), std::cos(std::numbers::pi), 1e-9);
 }
 
 TEST(FrameTree, HoldsTheLastTransformForAMomentOnly) {
@@ -62,8 +62,9 @@ TEST(FrameTree, ConnectsFramesByTheFirstOneAboveBoth) {
   frames.add(moved(1.0, "base_footprint", "base_link", 0.1), kStatic);
   frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
   frames.add(moved(1.0, "base_link", "arm", -0.2), kStatic);
-  EXPECT_NEAR(frames.between("arm", "laser", 1.0)->T.translation().x(), 0.5, 1e-12);
-  EXPECT_NEAR(frames.between("laser", "base_footprint", 1.0)->T.translation().x(), -0.4, 1e-12);
+  EXPECT_NEAR(frames.between("arm", "laser", 1.0)->transform.translation().x(), 0.5, 1e-12);
+  EXPECT_NEAR(frames.between("laser", "base_footprint", 1.0)->transform.translation().x(), -0.4,
+              1e-12);
   EXPECT_FALSE(frames.between("camera", "laser", 1.0));
 }
 
@@ -78,7 +79,7 @@ TEST(FrameTree, KnowsInWhichFrameAFrameHasMoved) {
   EXPECT_FALSE(above[1].has_moved);
   EXPECT_EQ(above[2].name, "world");
   EXPECT_TRUE(above[2].has_moved);
-  EXPECT_NEAR(above[2].T_ancestor_frame->T.translation().x(), 0.4, 1e-12);
+  EXPECT_NEAR(above[2].T_ancestor_frame->transform.translation().x(), 0.4, 1e-12);
 }
 
 TEST(FrameTree, ComesToAnEndInACycle) {
@@ -94,7 +95,7 @@ TEST(FrameTree, StartsAnewWhenTheClockWasSetBack) {
   frames.add(moved(5.0, "odom", "laser", 2.0), kTf);
   const auto found = frames.find("odom", "laser", 5.0);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->T.translation().x(), 2.0);
+  EXPECT_EQ(found->transform.translation().x(), 2.0);
 }
 
 }  // namespace
