@@ -18,7 +18,7 @@ int thinned(int pixel, double resolution) {
   return static_cast<int>(std::floor((pixel + 0.5) * resolution / kThinnedResolution));
 }
 
-std::string metres(double value) {
+std::string metres_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
@@ -32,9 +32,9 @@ Error too_large(std::int64_t width, std::int64_t height, double resolution,
       resolution * std::sqrt(cells / static_cast<double>(limits.max_cells)) / kCentimetre;
   return {ErrorCode::kTooLarge,
           std::to_string(width) + " x " + std::to_string(height) + " pixels of " +
-              metres(resolution) + " m, at most " + std::to_string(limits.max_cells) +
+              metres_text(resolution) + " m, at most " + std::to_string(limits.max_cells) +
               " are taken: save the map with a resolution of " +
-              metres(std::ceil(fitting) * kCentimetre) + " m or coarser, or cut it",
+              metres_text(std::ceil(fitting) * kCentimetre) + " m or coarser, or cut it",
           "image"};
 }
 
