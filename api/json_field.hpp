@@ -34,7 +34,7 @@ class JsonField {
 
   /// Tells when this is no object.
   [[nodiscard]] bool expect_object() const;
-  /// Of an object: tells which members are not among these, so that nothing is ignored in silence.
+  /// Fails each member of an object that is not among these, so that nothing is ignored in silence.
   void expect_members(std::span<const std::string_view> known) const;
   void expect_members(std::initializer_list<std::string_view> known) const {
     expect_members(std::span(known.begin(), known.size()));
