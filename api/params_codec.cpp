@@ -44,6 +44,7 @@ void visit_members(LocalizerParams& params, Visitor&& visit) {
   visit("max_matches", params.max_matches);
   visit("sampling", params.sampling);
   visit("estimator", params.estimator);
+  visit("search_budget_ms", params.search_budget_ms);
   visit("acceptance", params.acceptance);
 }
 

@@ -38,7 +38,7 @@ enum class Kind : std::uint8_t {
 
 /// The version that is written. All before it can be read.
 constexpr std::uint8_t newest_version(Kind kind) {
-  if (kind == Kind::kLocalizerState) return 3;
+  if (kind == Kind::kLocalizerState) return 4;
   return kind == Kind::kFeatures ? 2 : 1;
 }
 
@@ -416,7 +416,7 @@ Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapS
   writer.integer(state.scans);
   writer.pose(state.T_submap_base_link);
   writer.pose(state.last_motion);
-  writer.real(state.way_m);
+  writer.real(state.last_interval_s);
   put_optional_real(writer, state.last_stamp);
   put_optional_pose(writer, state.last_T_odom_base_link);
   writer.integer(static_cast<std::uint8_t>(state.status));
@@ -452,7 +452,8 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
   state.scans = reader->integer<std::uint64_t>();
   state.T_submap_base_link = reader->pose();
   state.last_motion = reader->pose();
-  state.way_m = reader->real();
+  state.last_interval_s = reader->real();
+  if (blob[0] < 4) state.last_interval_s = 0.0;  // was the distance driven
   state.last_stamp = take_optional_real(*reader);
   state.last_T_odom_base_link = take_optional_pose(*reader);
   const auto status = reader->integer<std::uint8_t>();
@@ -483,7 +484,7 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
     key.checksum = reader->integer<std::uint32_t>();
   }
   const bool known = status <= static_cast<std::uint8_t>(Status::kLost) &&
-                     reason <= static_cast<std::uint8_t>(Reason::kContradicted);
+                     reason <= static_cast<std::uint8_t>(Reason::kSearching);
   if (!reader->finished() || !known) return inconsistent("localizer state");
   return outline;
 }

@@ -15,6 +15,7 @@ const REASONS = {
   few_evidence: 'A place fits, but too little was seen to be sure.',
   contradicted: 'The best place is contradicted by what was seen.',
   odometry_contradicts_scans: 'The scans contradict the odometry and the best place: check the odometry.',
+  searching: 'The search of the maps continues with the next scan.',
 };
 
 export const statusText = (status) => STATUS[status] ?? status;

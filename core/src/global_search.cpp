@@ -23,6 +23,9 @@ constexpr std::size_t kEnoughCorners = 6;  // to tell places apart by
 constexpr std::size_t kMaxPlacesPerMap =
     64;  // judged in one search; poses below the last are unsearched
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
+// In units of WorkBudget: one candidate refined and scored, one map searched by corners.
+constexpr std::size_t kWorkPerCandidate = 20'000;
+constexpr std::size_t kWorkPerCornerLook = 100'000;
 constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when there will be no fix now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
@@ -41,6 +44,7 @@ void GlobalSearch::reset() { *this = GlobalSearch(params_); }
 
 void GlobalSearch::move_along(const Pose2& motion) {
   way_m_ += motion.translation().norm();
+  if (whole_) whole_->motion = whole_->motion * motion;
   candidates_.move_along(motion);
 }
 
@@ -108,30 +112,62 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
 // --- verification
 
 void GlobalSearch::verify(Maps maps, const View& view) {
-  rival_margin_ = kRivalMargin;
+  WorkBudget budget(params_.search_budget_ms);
   candidates_.set_free_area(free_area_of(maps));
   candidates_.judge_again(maps, view);
   for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
-  searched_ = search_due(maps, view);
-  if (searched_) search_whole(maps, view);
+  budget.charge(kWorkPerCandidate * (candidates_.all().size() + proposed_.size()));
+  if (is_outdated(maps)) whole_.reset();
+  if (!whole_ && search_due(maps, view)) begin_search(maps, view);
+  searched_ = whole_ && continue_search(view, budget);
 }
 
 bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked, bool search_maps) {
+  WorkBudget budget(params_.search_budget_ms);
   candidates_.set_free_area(free_area_of(maps));
   candidates_.judge_again(maps, view);
   candidates_.consider(*maps[tracked.map], view, tracked);
-  searched_ = search_maps;
-  if (search_maps) search_whole(maps, view);
-  return search_maps;
+  budget.charge(kWorkPerCandidate * candidates_.all().size());
+  if (is_outdated(maps)) whole_.reset();
+  if (!whole_ && search_maps) begin_search(maps, view);
+  searched_ = whole_ && continue_search(view, budget);
+  return searched_;
 }
 
-void GlobalSearch::search_whole(Maps maps, const View& view) {
-  Looks looks(maps.size());
-  search(maps, view, looks);
-  // A place found late may be worth a deeper look than the maps before it were given.
-  if (!candidates_.empty() && candidates_.may_be_accepted() && rival_margin_ < margin_to_look_at())
-    search(maps, view, looks);
+/// Whether maps were replaced since the search began.
+bool GlobalSearch::is_outdated(Maps maps) const {
+  return whole_ && !std::ranges::equal(whole_->maps, maps);
+}
+
+void GlobalSearch::begin_search(Maps maps, const View& view) {
+  rival_margin_ = kRivalMargin;
+  whole_.emplace();
+  whole_->maps.assign(maps.begin(), maps.end());
+  whole_->view = view;
+  whole_->looks.resize(maps.size());
   searched_at_ = {view.evidence.ends.size(), way_m_};
+  begin_pass();
+}
+
+void GlobalSearch::begin_pass() {
+  whole_->is_by_corners = true;
+  whole_->order = likeliest_last(whole_->maps.size());
+  whole_->best = best_mean();
+  whole_->searched_down_to = -std::numeric_limits<double>::infinity();
+}
+
+bool GlobalSearch::continue_search(const View& view, WorkBudget& budget) {
+  while (continue_pass(view, budget)) {
+    const bool is_deep_enough = candidates_.empty() || !candidates_.may_be_accepted() ||
+                                rival_margin_ >= margin_to_look_at();
+    if (is_deep_enough || whole_->is_second_pass) {
+      whole_.reset();
+      return true;
+    }
+    whole_->is_second_pass = true;
+    begin_pass();
+  }
+  return false;
 }
 
 bool GlobalSearch::is_due(const Moment& last, const View& view, double growth, double way_m) const {
@@ -151,39 +187,66 @@ bool GlobalSearch::search_due(Maps maps, const View& view) const {
                                               : is_due(searched_at_, view, kRareGrowth, kRareWay);
 }
 
-/// What no map may fall far below, from one map to the next.
-double GlobalSearch::best_mean(Maps maps, const View& view) const {
+/// What no map may fall far below, by the view when the search began.
+double GlobalSearch::best_mean() const {
   double best = kMinPlaceWeight + kRivalMargin;
-  for (const Candidate& place : candidates_.all())
-    best = std::max(best, optimistic_mean(maps, view, place));
+  const Pose2 back = inverse(whole_->motion);
+  for (Candidate place : candidates_.all()) {
+    place.T_map_base_link = place.T_map_base_link * back;
+    best = std::max(best, optimistic_mean(whole_->maps, whole_->view, place));
+  }
   return best;
 }
 
-/// Looks in all maps for places that come near the best candidate, and which nears the best of
-/// them. Corners come first, so that a map where they find one is searched whole, too: no fix may
-/// rest on a map whose other places were not looked at.
-void GlobalSearch::search(Maps maps, const View& view, Looks& looks) {
-  const double least_by_corners = best_mean(maps, view) - margin_to_look_at();
-  for (const std::size_t map : likeliest_first(maps.size())) {
-    if (asks_corners_of(map, maps, view)) look_by_corners(map, maps, view, least_by_corners);
-  }
-  double best = best_mean(maps, view);
-  double looked_down_to = -std::numeric_limits<double>::infinity();
-  for (const std::size_t map : likeliest_first(maps.size())) {
-    if (asks_corners_of(map, maps, view)) continue;
-    std::optional<Look>& look = looks[map];
-    if (!look) look.emplace(maps[map]->place_search(), view);
-    double least = best - margin_to_look_at();
-    for (; look->places < kMaxPlacesPerMap; ++look->places) {
-      least = best - margin_to_look_at();
-      const std::optional<Place> place = look->run.next(least);
-      if (!place) break;
-      best = std::max(best, place->mean_weight);
-      candidates_.consider(*maps[map], view, {map, place->T_map_base_link, 0, 0, {}});
+/// Searches all maps for poses that come near the best candidate, and near the best of these.
+/// Corners come first, so that a map where they find one is searched whole, too: no pose may be
+/// accepted in a map whose other poses were not searched.
+bool GlobalSearch::continue_pass(const View& view, WorkBudget& budget) {
+  WholeSearch& whole = *whole_;
+  const double least_by_corners = whole.best - margin_to_look_at();
+  while (whole.is_by_corners) {
+    if (whole.order.empty()) {
+      whole.is_by_corners = false;
+      whole.order = likeliest_last(whole.maps.size());
+      whole.best = best_mean();
+      break;
     }
-    looked_down_to = std::max({looked_down_to, least, look->run.bound()});
+    const std::size_t map = whole.order.back();
+    whole.order.pop_back();
+    if (!asks_corners_of(map, whole.maps, whole.view)) continue;
+    look_by_corners(map, view, least_by_corners);
+    budget.charge(kWorkPerCornerLook);
+    if (budget.is_spent()) return false;
   }
-  rival_margin_ = std::min(kRivalMargin, best - looked_down_to);
+  for (; !whole.order.empty(); whole.order.pop_back()) {
+    const std::size_t map = whole.order.back();
+    if (asks_corners_of(map, whole.maps, whole.view)) continue;
+    if (!search_map(map, view, budget)) return false;
+  }
+  rival_margin_ = std::min(kRivalMargin, whole.best - whole.searched_down_to);
+  return true;
+}
+
+bool GlobalSearch::search_map(std::size_t map, const View& view, WorkBudget& budget) {
+  WholeSearch& whole = *whole_;
+  std::optional<Look>& look = whole.looks[map];
+  if (!look) look.emplace(whole.maps[map]->place_search(), whole.view);
+  double least = whole.best - margin_to_look_at();
+  while (look->places < kMaxPlacesPerMap) {
+    least = whole.best - margin_to_look_at();
+    const std::optional<Place> place = look->run.next(least, budget);
+    if (place) {
+      ++look->places;
+      whole.best = std::max(whole.best, place->mean_weight);
+      candidates_.consider(*whole.maps[map], view,
+                           {map, place->T_map_base_link * whole.motion, 0, 0, {}});
+      budget.charge(kWorkPerCandidate);
+    }
+    if (budget.is_spent()) return false;
+    if (!place) break;
+  }
+  whole.searched_down_to = std::max({whole.searched_down_to, least, look->run.bound()});
+  return true;
 }
 
 /// Whether corners are enough to look through a map: not where they are few, nor in a map that has
@@ -197,12 +260,12 @@ bool GlobalSearch::asks_corners_of(std::size_t map, Maps maps, const View& view)
   return maps.size() > kFewMaps && !may_have_robot && view.corners.size() >= kEnoughCorners;
 }
 
-void GlobalSearch::look_by_corners(std::size_t map, Maps maps, const View& view,
-                                   double min_mean_weight) {
+void GlobalSearch::look_by_corners(std::size_t map, const View& view, double min_mean_weight) {
+  const LocalizationMap& searched = *whole_->maps[map];
   for (const Hypothesis& one :
-       hypotheses_from_corners(*maps[map], view.corners, view.evidence.ends,
+       hypotheses_from_corners(searched, whole_->view.corners, whole_->view.evidence.ends,
                                {.min_mean_weight = min_mean_weight - kCornerSlack}))
-    candidates_.consider(*maps[map], view, {map, one.T_map_base_link, 0, 0, {}});
+    candidates_.consider(searched, view, {map, one.T_map_base_link * whole_->motion, 0, 0, {}});
 }
 
 /// How far below the best candidate, per hit, a pose may lie and still matter. An endless minimum
@@ -215,18 +278,19 @@ double GlobalSearch::margin_to_look_at() const {
                                     std::max(1, candidates_.best().score.ends));
 }
 
-/// Maps, those with the better candidates first: the higher the bound, the shorter the search.
-std::vector<std::size_t> GlobalSearch::likeliest_first(std::size_t maps) const {
+/// Maps, those with the better candidates last, where the search begins: the higher the bound, the
+/// shorter the search.
+std::vector<std::size_t> GlobalSearch::likeliest_last(std::size_t maps) const {
   std::vector<std::size_t> rank(maps, Candidates::kMaxPlaces);
   for (std::size_t i = candidates_.all().size(); i-- > 0;) rank[candidates_.all()[i].map] = i;
   std::vector<std::size_t> order(maps);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t map) { return rank[map]; });
+  std::ranges::reverse(order);
   return order;
 }
 
-/// What a search says of a candidate.
-double GlobalSearch::optimistic_mean(Maps maps, const View& view, const Candidate& place) const {
+double GlobalSearch::optimistic_mean(Maps maps, const View& view, const Candidate& place) {
   return maps[place.map]->place_search().mean_weight(
       view.evidence.ends, view.way, PlaceSearchParams{}.max_points, place.T_map_base_link);
 }

@@ -26,6 +26,17 @@ constexpr double kUsualGain = 0.1;      // by which a scan changes what is usual
 constexpr double kClearlyBetterShare = 0.05;
 constexpr std::size_t kEnoughPoints = 30;  // of a scan that may overrule odometry
 
+// Scans that were lost make an interval this many times longer; more are a pause.
+constexpr double kMaxIntervalRatio = 3.0;
+// Odometry that does not change while the robot moved by this much from scan to scan may hang.
+constexpr double kLeastMotion = 0.02;  // [m]
+constexpr double kLeastTurn = 0.02;    // [rad]
+// Odometry that differs from constant velocity by more has jumped: no wheeled robot accelerates so.
+constexpr double kJump = 0.3;               // [m]
+constexpr double kAcceleration = 5.0;       // [m/s^2]
+constexpr double kTurnJump = 0.5;           // [rad]
+constexpr double kTurnAcceleration = 20.0;  // [rad/s^2]
+
 // Reviews of an accepted pose.
 constexpr double kReviewDistance = 1.5;   // [m] between searches of the whole map
 constexpr double kConfirmDistance = 3.0;  // [m] after the acceptance
@@ -51,6 +62,16 @@ Eigen::Matrix3d share_of_prior(const Eigen::Matrix3d& prior, const Eigen::Matrix
                                double yaw) {
   const Eigen::Matrix3d covariance = (prior + in_base_link(match, -yaw)).inverse();
   return covariance * prior * covariance;
+}
+
+bool is_jump(const Pose2& odometry, const Pose2& steady_motion, double interval_s) {
+  const double squared_s = interval_s * interval_s;
+  return distance(odometry, steady_motion) > kJump + kAcceleration * squared_s ||
+         angle_between(odometry, steady_motion) > kTurnJump + kTurnAcceleration * squared_s;
+}
+
+bool is_moving(const Pose2& motion) {
+  return motion.translation().norm() > kLeastMotion || std::abs(motion.yaw) > kLeastTurn;
 }
 
 }  // namespace
@@ -87,6 +108,8 @@ std::string_view to_string(Reason reason) {
       return "contradicted";
     case Reason::kOdometryContradictsScans:
       return "odometry_contradicts_scans";
+    case Reason::kSearching:
+      return "searching";
   }
   return "";
 }
@@ -131,7 +154,7 @@ struct Localizer::Impl {
   std::uint64_t scans = 0;
   Pose2 T_submap_base_link;
   Pose2 last_motion;
-  double way_m = 0.0;
+  double last_interval_s = 0.0;
   std::optional<double> last_stamp;
   std::optional<Pose2> last_T_odom_base_link;
   int stray_scans = 0;
@@ -187,7 +210,7 @@ struct Localizer::Impl {
       const double track_begin = now();
       track(robot_scan, points, news);
       times.track_ms = now() - track_begin;
-    } else if (news) {
+    } else if (news || search.is_suspended()) {
       look_for_robot(times);
       if (fix) track(robot_scan, points, false);
     } else if (submap.empty()) {
@@ -206,18 +229,25 @@ struct Localizer::Impl {
     std::optional<Pose2> odometry;
     if (robot_scan.T_odom_base_link && last_T_odom_base_link)
       odometry = inverse(*last_T_odom_base_link) * *robot_scan.T_odom_base_link;
+    const bool is_frozen = odometry && *last_T_odom_base_link == *robot_scan.T_odom_base_link;
     last_T_odom_base_link = robot_scan.T_odom_base_link;
+    const double interval_s = last_stamp ? robot_scan.scan.stamp - *last_stamp : 0.0;
+    const Pose2 steady_motion = motion_at_constant_velocity(interval_s);
     last_stamp = robot_scan.scan.stamp;
+    last_interval_s = interval_s;
     if (submap.empty()) return;  // this scan begins the submap, wherever it is
     const Pose2 before = T_submap_base_link;
-    const bool is_trusted = odometry && odometry_monitor.use() != OdometryUse::kIgnored;
+    const bool is_implausible = (is_frozen && is_moving(steady_motion)) ||
+                                (odometry && is_jump(*odometry, steady_motion, interval_s));
+    const bool is_trusted =
+        odometry && !is_implausible && odometry_monitor.use() != OdometryUse::kIgnored;
     const PosePrior prior = is_trusted
                                 ? odometry_prior(before, *odometry, odometry_monitor.noise_scale())
-                                : constant_velocity_prior(before, last_motion);
+                                : constant_velocity_prior(before, steady_motion);
     Pose2 now_at = prior.T_frame_base_link;
     Eigen::Matrix3d noise = prior.information.inverse();
     if (!points.empty()) {
-      const Match matched = match(points, prior, is_trusted);
+      const Match matched = match(points, prior, is_trusted, steady_motion);
       if (belongs_to_submap(matched.pose.inlier_share)) {
         now_at = matched.pose.T_frame_base_link;
         stray_scans = 0;
@@ -232,13 +262,19 @@ struct Localizer::Impl {
     T_submap_base_link = now_at;
     last_motion = inverse(before) * now_at;
     const double step = distance(before, now_at);
-    way_m += step;
     search.move_along(last_motion);
     if (fix) {
       misfit_way_m += step;
       distance_since_acceptance_m += step;
       tracker.predict(last_motion, in_base_link(noise, now_at.yaw));
     }
+  }
+
+  /// The motion until the next scan, `interval_s` after the last.
+  [[nodiscard]] Pose2 motion_at_constant_velocity(double interval_s) const {
+    if (last_interval_s <= 0.0) return last_motion;
+    const double ratio = std::min(kMaxIntervalRatio, interval_s / last_interval_s);
+    return {ratio * last_motion.x, ratio * last_motion.y, wrap_angle(ratio * last_motion.yaw)};
   }
 
   struct Match {
@@ -249,12 +285,12 @@ struct Localizer::Impl {
   /// Lays a scan on the submap from the predicted pose, and, where odometry leads to no match, from
   /// the pose at constant velocity.
   [[nodiscard]] Match match(const std::vector<Point2>& points, const PosePrior& prior,
-                            bool by_odometry) const {
+                            bool by_odometry, const Pose2& steady_motion) const {
     const Match matched{submap.match(points, prior), prior.information};
     if (!by_odometry || points.size() < kEnoughPoints ||
         matched.pose.inlier_share >= least_matched_share())
       return matched;
-    const PosePrior steady = constant_velocity_prior(T_submap_base_link, last_motion);
+    const PosePrior steady = constant_velocity_prior(T_submap_base_link, steady_motion);
     const Match other{submap.match(points, steady), steady.information};
     return other.pose.inlier_share > matched.pose.inlier_share + kClearlyBetterShare ? other
                                                                                      : matched;
@@ -325,6 +361,10 @@ struct Localizer::Impl {
     terms = {};
     confidence = 0.0;
     const Candidates& candidates = search.candidates();
+    if (search.is_suspended()) {
+      reason = Reason::kSearching;
+      return;
+    }
     if (candidates.empty()) {
       const bool few_features =
           params.method != Method::kIndexed &&
@@ -388,7 +428,7 @@ struct Localizer::Impl {
       is_doubted = verdict == TrackingVerdict::kMisfits && stray_scans > 0;
       miss(verdict == TrackingVerdict::kNoReturns ? Reason::kNoReturns : Reason::kContradicted);
     }
-    if (news && fix) review();
+    if ((news || search.is_suspended()) && fix) review();
   }
 
   /// Repeats the decision with what was seen since the acceptance.
@@ -406,6 +446,7 @@ struct Localizer::Impl {
     if (is_search_due) searched_at_m = distance_since_acceptance_m;
     const View view = view_from(submap, T_submap_base_link);
     searched = search.review(maps, view, *fix, is_search_due);
+    if (search.is_suspended()) return;
     const Candidates& candidates = search.candidates();
     const Candidate& best = candidates.best();
     if (best.map != fix->map || !is_same_place(best.T_map_base_link, fix->T_map_base_link)) {
@@ -417,7 +458,7 @@ struct Localizer::Impl {
     fix->score = best.score;
     terms = search.terms();
     confidence = terms.probability_correct;
-    if (is_search_due && distance_since_acceptance_m >= kConfirmDistance &&
+    if (searched && distance_since_acceptance_m >= kConfirmDistance &&
         verdict == NewGround::Verdict::kAgrees && search.acceptable()) {
       confirmed = true;
       search.clear_candidates();
@@ -501,7 +542,7 @@ LocalizerState Localizer::state() const {
   state.scans = impl_->scans;
   state.T_submap_base_link = impl_->T_submap_base_link;
   state.last_motion = impl_->last_motion;
-  state.way_m = impl_->way_m;
+  state.last_interval_s = impl_->last_interval_s;
   state.last_stamp = impl_->last_stamp;
   state.last_T_odom_base_link = impl_->last_T_odom_base_link;
   state.status = impl_->status;
@@ -538,7 +579,7 @@ void Localizer::restore(LocalizerState state) {
   impl_->scans = state.scans;
   impl_->T_submap_base_link = state.T_submap_base_link;
   impl_->last_motion = state.last_motion;
-  impl_->way_m = state.way_m;
+  impl_->last_interval_s = state.last_interval_s;
   impl_->last_stamp = state.last_stamp;
   impl_->last_T_odom_base_link = state.last_T_odom_base_link;
   impl_->status = state.status;

@@ -42,6 +42,7 @@ std::optional<Error> validate(const LocalizerParams& params) {
   }
   if (!(sampling.overlap > 0.0 && sampling.overlap <= 1.0))
     return broken("sampling.overlap", "must be in (0, 1]");
+  if (!(params.search_budget_ms > 0.0)) return broken("search_budget_ms", "must be positive");
   const AcceptanceParams& acceptance = params.acceptance;
   if (!(acceptance.min_probability > 0.0 && acceptance.min_probability < 1.0)) {
     return broken("acceptance.min_probability", "must be in (0, 1)");

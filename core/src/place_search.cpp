@@ -11,6 +11,7 @@
 #include "place_fields.hpp"
 #include "strip_sums.hpp"
 #include "thinned.hpp"
+#include "work_budget.hpp"
 
 namespace cornerfix {
 namespace {
@@ -183,6 +184,16 @@ class FourSums {
 
 /// What a run has looked at.
 struct PlaceSearch::Run::State {
+  /// Blocks with bounds in [least, below), of the headings before the `next_heading`-th.
+  struct Opening {
+    int least = 0;
+    int below = 0;
+    std::size_t next_heading = 0;
+    std::size_t count = 0;  ///< Of blocks with bounds of at least `least`.
+    std::vector<std::size_t> count_by_bound;
+    std::vector<Node> blocks;
+  };
+
   State(const PlaceFields& the_fields, std::span<const Point2> ends_base_link,
         std::span<const Point2> way_base_link, const PlaceSearchParams& the_params)
       : fields(the_fields),
@@ -195,12 +206,15 @@ struct PlaceSearch::Run::State {
   }
 
   /// The best place that was not given yet.
-  [[nodiscard]] std::optional<Node> next(int threshold);
-  /// Opens more blocks that may reach the threshold, of very many the best.
-  void open_blocks(int threshold);
+  [[nodiscard]] std::optional<Node> next(int threshold, WorkBudget& budget);
+  /// Opens more blocks that may reach the threshold, of very many the best. Continues an opening
+  /// that the budget interrupted.
+  void open_blocks(int threshold, WorkBudget& budget);
+  void open_heading(Opening& opening, WorkBudget& budget) const;
   /// The blocks of one heading whose bounds are in [least, below).
-  void collect_blocks(int rotation, int least, int below, std::vector<Node>& blocks) const;
-  void expand(Node block, int threshold);
+  void collect_blocks(int rotation, int least, int below, std::vector<Node>& blocks,
+                      WorkBudget& budget) const;
+  void expand(Node block, int threshold, WorkBudget& budget);
   [[nodiscard]] bool is_known(const Node& node) const;
 
   /// What a sample of the ends must sum up to where all points are to reach the threshold.
@@ -223,51 +237,64 @@ struct PlaceSearch::Run::State {
   Points points;
   std::vector<Turned> turned;  ///< By heading.
   Frontier open;
-  int opened_down_to;        ///< No block with this bound or more is still to be opened.
-  std::vector<Pose2> found;  ///< In `grid`.
+  int opened_down_to;              ///< No block with this bound or more is still to be opened.
+  std::optional<Opening> opening;  ///< Interrupted.
+  std::vector<Pose2> found;        ///< In `grid`.
   std::size_t expansions = 0;
 };
 
-std::optional<Node> PlaceSearch::Run::State::next(int threshold) {
+std::optional<Node> PlaceSearch::Run::State::next(int threshold, WorkBudget& budget) {
   while (expansions < params.max_expansions) {
     if (open.top() < opened_down_to && threshold < opened_down_to) {
-      open_blocks(threshold);
-      continue;
+      open_blocks(threshold, budget);
+    } else {
+      if (open.top() < threshold) return std::nullopt;
+      const Node node = open.pop();
+      ++expansions;
+      if (is_known(node)) continue;
+      if (!node.is_block) return node;
+      expand(node, threshold, budget);
     }
-    if (open.top() < threshold) return std::nullopt;
-    const Node node = open.pop();
-    ++expansions;
-    if (is_known(node)) continue;
-    if (!node.is_block) return node;
-    expand(node, threshold);
+    if (budget.is_spent()) return std::nullopt;
   }
   return std::nullopt;
 }
 
-void PlaceSearch::Run::State::open_blocks(int threshold) {
-  const int below = opened_down_to;
-  opened_down_to = threshold;
-  std::vector<std::size_t> count_by_bound(static_cast<std::size_t>(below));
-  std::size_t count = 0;
-  std::vector<Node> blocks;
-  for (std::size_t i = 0; i < turned.size(); ++i) {
-    const std::size_t before = blocks.size();
-    collect_blocks(static_cast<int>(i * kHeadingStride % kRotations), opened_down_to, below,
-                   blocks);
-    for (const Node& block : std::span(blocks).subspan(before))
-      ++count_by_bound[static_cast<std::size_t>(block.bound)];
-    count += blocks.size() - before;
-    const std::size_t enough = kEnoughBlocks * (i + kHeadStart) / kRotations;
-    const auto lowest = [&] { return count_by_bound[static_cast<std::size_t>(opened_down_to)]; };
-    for (; count - lowest() >= enough; ++opened_down_to) count -= lowest();
+void PlaceSearch::Run::State::open_blocks(int threshold, WorkBudget& budget) {
+  if (!opening) {
+    opening.emplace();
+    opening->least = threshold;
+    opening->below = opened_down_to;
+    opening->count_by_bound.resize(static_cast<std::size_t>(opened_down_to));
   }
-  for (const Node& block : blocks) {
+  while (opening->next_heading < turned.size()) {
+    open_heading(*opening, budget);
+    ++opening->next_heading;
+    if (budget.is_spent()) return;
+  }
+  opened_down_to = opening->least;
+  for (const Node& block : opening->blocks) {
     if (block.bound >= opened_down_to) open.push(block);
   }
+  opening.reset();
+}
+
+void PlaceSearch::Run::State::open_heading(Opening& opening, WorkBudget& budget) const {
+  const std::size_t before = opening.blocks.size();
+  collect_blocks(static_cast<int>(opening.next_heading * kHeadingStride % kRotations),
+                 opening.least, opening.below, opening.blocks, budget);
+  for (const Node& block : std::span(opening.blocks).subspan(before))
+    ++opening.count_by_bound[static_cast<std::size_t>(block.bound)];
+  opening.count += opening.blocks.size() - before;
+  const std::size_t enough = kEnoughBlocks * (opening.next_heading + kHeadStart) / kRotations;
+  const auto lowest = [&] {
+    return opening.count_by_bound[static_cast<std::size_t>(opening.least)];
+  };
+  for (; opening.count - lowest() >= enough; ++opening.least) opening.count -= lowest();
 }
 
 void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
-                                             std::vector<Node>& blocks) const {
+                                             std::vector<Node>& blocks, WorkBudget& budget) const {
   const std::size_t stride = fields.ends.blocks_a_row();
   const auto blocks_x = static_cast<std::size_t>((fields.inner_width + kBlock - 1) / kBlock);
   const auto blocks_y = static_cast<std::size_t>((fields.inner_height + kBlock - 1) / kBlock);
@@ -291,12 +318,13 @@ void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
   }
   steps.push_back({all.subspan(taken), least});
   StripSums sums;
+  std::size_t groups = 0;
   for (std::size_t row = 0; row < blocks_y; ++row) {
     for (std::size_t column = 0; column < blocks_x; column += kStrip) {
       const std::size_t at = row * stride + column;
       const std::size_t count = std::min(kStrip, blocks_x - column);
       if (std::memchr(robot + at, kWayFree, count) == nullptr) continue;
-      if (!sum_strip(steps, robot, kWayFree, at, sums)) continue;
+      if (!sum_strip(steps, robot, kWayFree, at, sums, groups)) continue;
       for (std::size_t i = 0; i < count; ++i) {
         if (robot[at + i] == kWayFree && sums[i] >= least && sums[i] < below)
           blocks.push_back({sums[i], kBorder + static_cast<int>(column + i) * kBlock,
@@ -305,10 +333,11 @@ void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
       }
     }
   }
+  budget.charge(groups + blocks_y * (blocks_x / kStrip + 1));
 }
 
 /// A block that turns out not to reach the threshold waits with what is known of it.
-void PlaceSearch::Run::State::expand(Node block, int threshold) {
+void PlaceSearch::Run::State::expand(Node block, int threshold, WorkBudget& budget) {
   const Turned& here = turned[block.rotation];
   const std::ptrdiff_t width = fields.width;
   const std::ptrdiff_t origin = block.y * width + block.x;
@@ -318,6 +347,7 @@ void PlaceSearch::Run::State::expand(Node block, int threshold) {
   while (!rest.empty()) {
     const std::size_t count = std::min(kGroup, rest.size());
     sums.add(fields.ends.quads() + origin, width, rest.first(count));
+    budget.charge(1);
     rest = rest.subspan(count);
     block.bound = std::min(block.bound, sums.max() + kHighestValue * static_cast<int>(rest.size()));
     if (block.bound < threshold) return open.push(block);
@@ -347,9 +377,9 @@ PlaceSearch::Run::Run(const PlaceSearch& search, std::span<const Point2> ends_ba
 PlaceSearch::Run::~Run() = default;
 PlaceSearch::Run::Run(Run&&) noexcept = default;
 
-std::optional<Place> PlaceSearch::Run::next(double min_mean_weight) {
+std::optional<Place> PlaceSearch::Run::next(double min_mean_weight, WorkBudget& budget) {
   const std::optional<Node> node =
-      state_->next(std::max(0, static_cast<int>(state_->points.sum_of(min_mean_weight))));
+      state_->next(std::max(0, static_cast<int>(state_->points.sum_of(min_mean_weight))), budget);
   if (!node) return std::nullopt;
   state_->found.push_back(state_->pose_of(*node));
   return Place{state_->fields.T_map_grid * state_->found.back(),
@@ -374,10 +404,11 @@ std::vector<Place> PlaceSearch::find(std::span<const Point2> ends_base_link,
                                      std::span<const Point2> way_base_link,
                                      const PlaceSearchParams& params) const {
   Run run(*this, ends_base_link, way_base_link, params);
+  WorkBudget unbounded;
   std::vector<Place> places;
   double least = params.min_mean_weight;
   while (places.size() < params.max_places) {
-    const std::optional<Place> place = run.next(least);
+    const std::optional<Place> place = run.next(least, unbounded);
     if (!place) break;
     places.push_back(*place);
     least = std::max(least, places.front().mean_weight - params.max_mean_gap);

@@ -15,7 +15,7 @@ namespace cornerfix {
 
 CORNERFIX_WIDE_WHERE_POSSIBLE
 bool sum_strip(std::span<const SumStep> steps, const std::uint8_t* flags, std::uint8_t wanted,
-               std::size_t shift, StripSums& sums) {
+               std::size_t shift, StripSums& sums, std::size_t& groups) {
   static_assert(kGroup == 8);
   StripSums total{};
   for (const SumStep& step : steps) {
@@ -36,6 +36,7 @@ bool sum_strip(std::span<const SumStep> steps, const std::uint8_t* flags, std::u
       for (std::size_t i = 0; i < kStrip; ++i)
         total[i] = static_cast<std::uint16_t>(total[i] + of_group[i]);
     }
+    groups += step.sources.size() / kGroup;
     std::uint16_t highest = 0;
     for (std::size_t i = 0; i < kStrip; ++i) {
       // Without a branch, or the compiler takes them one by one.

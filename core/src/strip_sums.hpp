@@ -24,8 +24,9 @@ struct SumStep {
 
 /// sums[i] = the sum of source[shift + i] over the sources of all steps, given up after a step when
 /// no sum whose flag, flags[shift + i], is `wanted` reaches what it must.
+/// \param groups  Increased by the groups of sources that were summed.
 /// \return Whether one does, to the last step; if not, the sums say nothing.
 bool sum_strip(std::span<const SumStep> steps, const std::uint8_t* flags, std::uint8_t wanted,
-               std::size_t shift, StripSums& sums);
+               std::size_t shift, StripSums& sums, std::size_t& groups);
 
 }  // namespace cornerfix

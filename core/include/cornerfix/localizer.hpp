@@ -36,6 +36,7 @@ enum class Reason {
   kFewEvidence,               ///< A place fits, but too little was seen to be sure.
   kContradicted,              ///< The best place is contradicted by what was seen.
   kOdometryContradictsScans,  ///< As kContradicted, and odometry is ignored.
+  kSearching,  ///< The search of the maps continues at the next scan.
 };
 
 /// How far the answer relied on the robot's odometry.
@@ -112,8 +113,8 @@ struct LocalizerState {
   std::uint64_t next_index = 0;      ///< Of the next scan to join the submap.
   std::uint64_t scans = 0;           ///< Processed since the reset; seeds the random draws.
   Pose2 T_submap_base_link;          ///< At the last scan.
-  Pose2 last_motion;                 ///< Between the last two scans, for constant velocity.
-  double way_m = 0.0;                ///< Driven since the reset.
+  Pose2 last_motion;                 ///< Between the last two scans, for constant velocity,
+  double last_interval_s = 0.0;      ///< and the time between them; 0 when not known.
   std::optional<double> last_stamp;  ///< [s]
   std::optional<Pose2> last_T_odom_base_link;
   Status status = Status::kCollecting;

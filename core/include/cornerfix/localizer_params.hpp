@@ -38,6 +38,10 @@ struct LocalizerParams {
   int max_matches = 8;          ///< Matches tried as hypotheses a scan; >= 1.
   SampledMatchParams sampling;  ///< Of kRma; its seed is drawn from `seed`.
   PoseEstimatorParams estimator;
+  /// Work of one scan in searches of whole maps, as time of one core on the machine of
+  /// docs/results.md [ms]; > 0. It counts operations, so answers do not depend on the clock. A
+  /// longer search continues at the next scans.
+  double search_budget_ms = 40.0;
   AcceptanceParams acceptance;
 };
 

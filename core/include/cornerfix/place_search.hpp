@@ -38,6 +38,7 @@ struct Place {
 };
 
 struct PlaceFields;
+class WorkBudget;
 
 /// Immutable: any threads may share it. 10 bytes a 0.2 m cell of the map with its border.
 class PlaceSearch {
@@ -81,9 +82,10 @@ class PlaceSearch::Run {
   ~Run();
   Run(Run&&) noexcept;
 
-  /// The best place that was not given yet, or nothing when none has at least this mean weight
-  /// [nat] or the work is as much as it may be.
-  [[nodiscard]] std::optional<Place> next(double min_mean_weight);
+  /// The best place that was not given yet. Nothing when none has at least this mean weight [nat],
+  /// when `max_expansions` is reached, or when the budget is spent: then the next call continues.
+  /// Each call makes some progress.
+  [[nodiscard]] std::optional<Place> next(double min_mean_weight, WorkBudget& budget);
   /// No place that was not given yet has a higher mean weight [nat]. That of the best there can be
   /// when there is nothing to look for, or base_link is too far from it to be looked up.
   [[nodiscard]] double bound() const;

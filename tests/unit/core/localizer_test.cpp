@@ -577,7 +577,7 @@ TEST(Localizer, StateOfARestoredOneIsTheState) {
   EXPECT_EQ(again.scans, state.scans);
   EXPECT_EQ(again.T_submap_base_link, state.T_submap_base_link);
   EXPECT_EQ(again.last_motion, state.last_motion);
-  EXPECT_EQ(again.way_m, state.way_m);
+  EXPECT_EQ(again.last_interval_s, state.last_interval_s);
   EXPECT_EQ(again.last_stamp, state.last_stamp);
   EXPECT_EQ(again.last_T_odom_base_link, state.last_T_odom_base_link);
   EXPECT_EQ(again.status, state.status);

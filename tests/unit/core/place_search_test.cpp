@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 
+#include "core/src/work_budget.hpp"
 #include "support/drawn_grid.hpp"
 #include "support/matchers.hpp"
 #include "support/scan_simulator.hpp"
@@ -320,7 +321,8 @@ TEST(PlaceSearch, ASearchThatCouldNotLookExcludesNothing) {
   for (Point2& end : ends) end += Point2{0.0, 500.0};
   for (const std::vector<Point2>& seen : {ends, std::vector<Point2>{}}) {
     PlaceSearch::Run run(search, seen, kHere, {});
-    EXPECT_FALSE(run.next(-0.5));
+    WorkBudget unbounded;
+    EXPECT_FALSE(run.next(-0.5, unbounded));
     EXPECT_GT(run.bound(), 0.4);
   }
 }
@@ -330,7 +332,8 @@ TEST(PlaceSearch, ASpentBudgetTellsWhatMayBeLeft) {
   const std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
   const auto places_of = [](PlaceSearch::Run& run, double least) {
     std::vector<Place> places;
-    while (const std::optional<Place> place = run.next(least)) places.push_back(*place);
+    WorkBudget unbounded;
+    while (const std::optional<Place> place = run.next(least, unbounded)) places.push_back(*place);
     return places;
   };
   PlaceSearch::Run whole(search, ends, kHere, {});
@@ -340,6 +343,35 @@ TEST(PlaceSearch, ASpentBudgetTellsWhatMayBeLeft) {
   ASSERT_LT(some.size(), all.size());
   EXPECT_GE(spent.bound(), all[some.size()].mean_weight - 1e-9);
   EXPECT_LT(whole.bound(), 0.0);
+}
+
+/// Each call gets a budget of a few operations, so that it is interrupted at every point.
+TEST(PlaceSearch, ASearchInManySmallPartsFindsTheSamePlaces) {
+  const PlaceSearch search(room_classes());
+  const std::vector<Point2> ends = ends_at(testing::figure7_room(), {6.0, 5.0, 0.4});
+  PlaceSearch::Run at_once(search, ends, kHere, {});
+  PlaceSearch::Run in_parts(search, ends, kHere, {});
+  WorkBudget unbounded;
+  int parts = 0;
+  std::size_t places = 0;
+  const auto next_in_parts = [&] {
+    while (true) {
+      WorkBudget budget(1e-5);
+      const std::optional<Place> place = in_parts.next(0.0, budget);
+      ++parts;
+      if (place || !budget.is_spent()) return place;
+    }
+  };
+  while (const std::optional<Place> expected = at_once.next(0.0, unbounded)) {
+    const std::optional<Place> place = next_in_parts();
+    ASSERT_TRUE(place.has_value());
+    EXPECT_EQ(place->T_map_base_link, expected->T_map_base_link);
+    EXPECT_EQ(place->mean_weight, expected->mean_weight);
+    ++places;
+  }
+  EXPECT_FALSE(next_in_parts());
+  EXPECT_GT(places, 1U);
+  EXPECT_GT(parts, 180);
 }
 
 /// A long corridor seen from its end: the points reach to the border of what the search can lay.
@@ -371,8 +403,10 @@ TEST(PlaceSearch, ALookThatGoesDeeperFindsWhatADeepOneDoes) {
   const auto places_by = [&](const std::vector<double>& limits) {
     PlaceSearch::Run run(search, ends, kHere, {});
     std::vector<Place> places;
+    WorkBudget unbounded;
     for (const double least : limits) {
-      while (const std::optional<Place> place = run.next(least)) places.push_back(*place);
+      while (const std::optional<Place> place = run.next(least, unbounded))
+        places.push_back(*place);
     }
     return places;
   };

@@ -216,13 +216,24 @@ constexpr std::ptrdiff_t kSecondSize = 98;
 constexpr std::ptrdiff_t kThirdVersion = kSecondVersion + kSecondSize;
 constexpr std::ptrdiff_t kThirdSize = 81;
 
+void forget_fourth_version(LocalizerState& state) { state.last_interval_s = 0.0; }
+
 void forget_third_version(LocalizerState& state) {
+  forget_fourth_version(state);
   state.odometry_sums = {};
   state.epoch = 0;
   state.confirmed = false;
   state.distance_since_acceptance_m = 0.0;
   state.searched_at_m = 0.0;
   state.accepted_index = 0;
+}
+
+TEST(BlobCodec, ReadsALocalizerStateOfTheThirdVersion) {
+  LocalizerState state = sample_state(0, 0, 3);
+  Blob third = encode_localizer_state(state, {});
+  third[0] = 3;
+  forget_fourth_version(state);
+  EXPECT_TRUE(is_same(decode_localizer_state(resealed(third)).value().state, state));
 }
 
 TEST(BlobCodec, ReadsALocalizerStateOfTheSecondVersion) {

@@ -133,7 +133,7 @@ LocalizerState sample_state(std::uint64_t first_index, int count, int seed) {
   state.scans = 1000 + static_cast<std::uint64_t>(seed);
   state.T_submap_base_link = {1.0, -0.0, 0.25 * seed};
   state.last_motion = {0.1, 0.01, -0.02};
-  state.way_m = 12.5;
+  state.last_interval_s = 0.2;
   state.last_stamp = 99.5 + seed;
   state.last_T_odom_base_link = Pose2{7.0, 8.0, -3.1};
   state.status = Status::kLocalized;
@@ -210,7 +210,7 @@ bool is_same(const LocalizerState& a, const LocalizerState& b) {
                   [](const SubmapScan& x, const SubmapScan& y) { return is_same(x, y); }) &&
          a.next_index == b.next_index && a.scans == b.scans &&
          is_same(a.T_submap_base_link, b.T_submap_base_link) &&
-         is_same(a.last_motion, b.last_motion) && same(a.way_m, b.way_m) &&
+         is_same(a.last_motion, b.last_motion) && same(a.last_interval_s, b.last_interval_s) &&
          a.last_stamp == b.last_stamp && same_odometry && a.status == b.status &&
          a.reason == b.reason && same(a.confidence, b.confidence) &&
          a.tracked_map == b.tracked_map && is_same(a.T_map_submap, b.T_map_submap) &&
