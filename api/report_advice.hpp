@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <cornerfix/hard_areas.hpp>
+#include <cornerfix/localizability.hpp>
 
 namespace cornerfix::api {
 
@@ -22,7 +22,7 @@ struct ReportShares {
 [[nodiscard]] std::string summarize(const LocalizabilityReport& report);
 /// What to do, most important first; never empty.
 [[nodiscard]] std::vector<std::string> advise(const LocalizabilityReport& report,
-                                              std::span<const HardArea> areas);
+                                              std::span<const LowLocalizabilityRegion> areas);
 
 [[nodiscard]] double features_per_100_m2(const LocalizabilityReport& report);
 

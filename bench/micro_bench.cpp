@@ -8,12 +8,11 @@
 
 #include <algorithm>
 
-#include <cornerfix/descriptor_matcher.hpp>
-#include <cornerfix/pose_estimator.hpp>
-#include <cornerfix/submap.hpp>
-#include <cornerfix/two_arm_corners.hpp>
-#include <cornerfix/vfp_corners.hpp>
-
+#include "core/src/local_map/submap.hpp"
+#include "core/src/matching/descriptor_matcher.hpp"
+#include "core/src/matching/pose_estimator.hpp"
+#include "core/src/scan/line_intersection_corners.hpp"
+#include "core/src/scan/vfp_corners.hpp"
 #include "support/random_features.hpp"
 #include "support/room_drive.hpp"
 #include "support/scan_simulator.hpp"
@@ -52,7 +51,7 @@ BENCHMARK(vfp)
 
 void two_arm(benchmark::State& state) {
   const LaserScan scan = scan_for(state);
-  for (auto _ : state) benchmark::DoNotOptimize(extract_two_arm_corners(scan, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(extract_line_intersection_corners(scan, {}));
 }
 BENCHMARK(two_arm)
     ->Name("TwoArmCorners")

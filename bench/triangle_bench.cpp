@@ -5,8 +5,7 @@
 /// features a square metre; `found` is the share of them that was matched at the true pose.
 #include <benchmark/benchmark.h>
 
-#include <cornerfix/triangle_index.hpp>
-
+#include "core/src/matching/triangle_index.hpp"
 #include "support/feature_fields.hpp"
 
 namespace cornerfix {

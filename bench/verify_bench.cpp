@@ -10,13 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/distance_field.hpp>
-#include <cornerfix/evidence_grid.hpp>
-#include <cornerfix/evidence_model.hpp>
 #include <cornerfix/map_image.hpp>
-#include <cornerfix/place_search.hpp>
 #include <cornerfix/ray_caster.hpp>
-#include <cornerfix/scan_refiner.hpp>
+
+#include "core/src/map/distance_field.hpp"
+#include "core/src/map/evidence_model.hpp"
+#include "core/src/matching/scan_refiner.hpp"
+#include "core/src/scan/evidence_grid.hpp"
+#include "core/src/search/place_search.hpp"
 
 namespace cornerfix {
 namespace {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <numeric>
 
-#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/map_image.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "cli/log_split.hpp"
 #include "cli/processor_time.hpp"

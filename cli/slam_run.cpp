@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include <cornerfix/lidar_odometry.hpp>
-#include <cornerfix/trajectory_optimizer.hpp>
+#include <cornerfix/slam.hpp>
 
 namespace cornerfix::cli {
 

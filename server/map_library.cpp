@@ -5,10 +5,9 @@
 #include <string>
 #include <type_traits>
 
-#include <cornerfix/grid_mapping.hpp>
-#include <cornerfix/lidar_odometry.hpp>
 #include <cornerfix/map_image.hpp>
-#include <cornerfix/trajectory_optimizer.hpp>
+#include <cornerfix/mapper.hpp>
+#include <cornerfix/slam.hpp>
 
 #include "server/map_outline.hpp"
 #include "server/mapping_batch.hpp"

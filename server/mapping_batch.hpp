@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <cornerfix/laser_scan.hpp>
-#include <cornerfix/lidar_odometry.hpp>
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
+#include <cornerfix/slam.hpp>
 
 #include "storage/map_store.hpp"
 

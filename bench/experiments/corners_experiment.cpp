@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <cornerfix/corner_extractor.hpp>
-#include <cornerfix/feature_map.hpp>
-#include <cornerfix/vfp_corners.hpp>
+#include <cornerfix/corners.hpp>
 
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
@@ -19,6 +17,8 @@
 #include "support/scan_simulator.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/image_corners.hpp"
+#include "core/src/features/feature_map.hpp"
+#include "core/src/scan/vfp_corners.hpp"
 #endif
 
 namespace cornerfix::bench {
@@ -44,7 +44,9 @@ std::vector<Method> methods() {
   return {
       {"vfp", [](const LaserScan& scan) { return extract_corners(scan, CornerExtractor::kVfp); }},
       {"two_arm",
-       [](const LaserScan& scan) { return extract_corners(scan, CornerExtractor::kTwoArm); }},
+       [](const LaserScan& scan) {
+         return extract_corners(scan, CornerExtractor::kLineIntersection);
+       }},
       {"loam",
        [](const LaserScan& scan) {
          return extract_loam_corners(scan, vfp_params_for(scan.angle_increment));

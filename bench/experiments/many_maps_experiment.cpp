@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/map_image.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"

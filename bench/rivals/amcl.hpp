@@ -11,11 +11,11 @@
 #include <span>
 #include <vector>
 
-#include <cornerfix/distance_field.hpp>
 #include <cornerfix/occupancy_grid.hpp>
 
 #include "bench/rivals/rival.hpp"
 #include "bench/rivals/robot_motion.hpp"
+#include "core/src/map/distance_field.hpp"
 
 namespace cornerfix::bench {
 

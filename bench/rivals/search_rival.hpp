@@ -5,10 +5,9 @@
 #include <optional>
 #include <span>
 
-#include <cornerfix/distance_field.hpp>
-
 #include "bench/rivals/rival.hpp"
 #include "bench/rivals/robot_motion.hpp"
+#include "core/src/map/distance_field.hpp"
 
 namespace cornerfix::bench {
 

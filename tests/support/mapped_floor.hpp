@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/localization_map.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "support/drawn_grid.hpp"
 

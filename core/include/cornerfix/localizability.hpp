@@ -10,16 +10,17 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include <cornerfix/answer.hpp>
 #include <cornerfix/laser_scan.hpp>
-#include <cornerfix/localization_map.hpp>
-#include <cornerfix/virtual_lidar.hpp>
+#include <cornerfix/pose2.hpp>
 
 namespace cornerfix {
 
 /// A robot's lidar and where it is mounted; the default sees half a turn, 30 m far.
-struct VirtualRobot {
+struct SimulatedRobot {
   LaserScan lidar{.stamp = 0.0,
                   .angle_min = -0.5 * std::numbers::pi,
                   .angle_increment = std::numbers::pi / 180.0,
@@ -31,7 +32,7 @@ struct VirtualRobot {
 };
 
 struct LocalizabilityParams {
-  VirtualRobot robot{};
+  SimulatedRobot robot{};
   double lattice_m = 1.5;        ///< Between places, or more where that gives too many; > 0.
   std::size_t max_places = 300;  ///< Bounds the time; >= 1.
   double way_m = 20.0;           ///< Driving allowed until the fix; > 0.
@@ -56,7 +57,7 @@ struct AssessedPlace {
 };
 
 /// Two starts that could not be told apart until `way_m` was driven.
-struct LookAlike {
+struct AliasedPoses {
   Pose2 T_map_a;
   Pose2 T_map_b;
   double way_m = 0.0;      ///< The most that any of `starts` drove.
@@ -64,13 +65,13 @@ struct LookAlike {
 };
 
 struct LocalizabilityReport {
-  VirtualRobot robot{};
+  SimulatedRobot robot{};
   double way_limit_m = 0.0;
-  double lattice_m = 0.0;              ///< As it was in the end.
-  double free_area_m2 = 0.0;           ///< Of the map.
-  std::size_t features = 0;            ///< Of the map.
-  std::vector<AssessedPlace> places;   ///< Row by row.
-  std::vector<LookAlike> look_alikes;  ///< Those that take longest to tell apart first.
+  double lattice_m = 0.0;                 ///< As it was in the end.
+  double free_area_m2 = 0.0;              ///< Of the map.
+  std::size_t features = 0;               ///< Of the map.
+  std::vector<AssessedPlace> places;      ///< Row by row.
+  std::vector<AliasedPoses> look_alikes;  ///< Those that take longest to tell apart first.
 };
 
 /// Mean over the starts of a place; one that was not told its pose counts with the whole limit [m].
@@ -87,9 +88,26 @@ using AssessmentProgress = std::function<bool(double)>;
     const LocalizationMapPtr& map, const LocalizabilityParams& params = {},
     const AssessmentProgress& progress = {});
 
-/// One start of it. \param lidar  Of the map's grid.
-[[nodiscard]] AssessedStart assess_start(const LocalizationMapPtr& map, const VirtualLidar& lidar,
-                                         const Pose2& T_map_base_link,
-                                         const LocalizabilityParams& params);
+/// The same for given starts, in their order.
+[[nodiscard]] std::vector<AssessedStart> assess_starts(const LocalizationMapPtr& map,
+                                                       std::span<const Pose2> T_map_base_link,
+                                                       const LocalizabilityParams& params);
+
+/// Neighbouring places from where robots drive 3 m or more until they are told their pose.
+struct LowLocalizabilityRegion {
+  Point2 center_map = Point2::Zero();
+  double radius_m = 0.0;            ///< To the farthest of its places.
+  std::vector<std::size_t> places;  ///< Ascending indices into the report's.
+  double way_m = 0.0;               ///< Mean of what its starts need.
+  double found = 0.0;               ///< Share of its starts that are told their pose at all.
+  /// Another place that half or more of its starts were taken for, or that could not be excluded;
+  /// nothing when too little is seen here instead.
+  std::optional<Point2> look_alike_map;
+  std::optional<Point2> easy_map;  ///< The nearest place where standing still is enough.
+};
+
+/// Hardest first: by the number of places times what they need.
+[[nodiscard]] std::vector<LowLocalizabilityRegion> find_low_localizability_regions(
+    const LocalizabilityReport& report);
 
 }  // namespace cornerfix
