@@ -67,11 +67,11 @@ inline constexpr std::size_t kPassClasses = 4;  ///< Of misses, named by misses_
 struct EvidenceScore {
   std::array<int, kEndClasses> end_counts{};    ///< Beam ends by class.
   std::array<int, kPassClasses> pass_counts{};  ///< Passed places by class.
-  double fit = 0.0;                             ///< Sum of the kSearchWeights [nat].
-  double log_likelihood = 0.0;                  ///< Sum of the kRivalWeights [nat].
-  int ends = 0;                                 ///< Beam ends judged.
-  std::vector<float> block_llr{};               ///< log_likelihood by block of the evidence [nat].
-  /// Effective number of blocks that the hits spread over: (sum n)^2 / sum n^2 of their counts n.
+  double fit = 0.0;                ///< Log-likelihood ratio that ranks poses in the search [nat].
+  double log_likelihood = 0.0;     ///< Log-likelihood ratio that the decision compares [nat].
+  int ends = 0;                    ///< Beam ends judged.
+  std::vector<float> block_llr{};  ///< log_likelihood by square of 2 m [nat].
+  /// Effective number of squares that the hits spread over: (sum n)^2 / sum n^2 of their counts n.
   double independent_hits = 0.0;
   // Shares of the ends:
   double matched = 0.0;       ///< Within 0.15 m of a wall.
@@ -97,8 +97,8 @@ struct AcceptanceTerms {
   double significance = 0.0;     ///< Against the best of all poses by chance [nat].
   // The pose and its rivals:
   double margin_per_hit = 0.0;  ///< Log-likelihood ratio to the strongest rival [nat].
-  /// -ln of the sum of exp(-z^2 / 2) over the margins of the rivals in
-  /// standard errors [nat], within limits.
+  /// -ln of the sum of exp(-z^2 / 2) over the rivals [nat], within limits. z is the margin over a
+  /// rival in standard errors.
   double rival_evidence = 0.0;
   double unknown_share = 0.0;  ///< Of the hits, in space unknown to the map.
   double independent_hits = 0.0;
@@ -108,14 +108,15 @@ struct AcceptanceTerms {
   double probability_correct = 0.0;    ///< Their product.
 };
 
-/// A ranked candidate. `T_map_base_link` is the pose at the last scan if the candidate is true.
+/// A ranked candidate pose. `T_map_base_link` is the pose at the last scan if the candidate is
+/// true.
 struct RankedHypothesis {
   LocalizationMapPtr map;
   Pose2 T_map_base_link;
   int votes = 0;           ///< Descriptor votes (eq. 15) behind it.
   int inliers = 0;         ///< Correspondences that RANSAC kept (eq. 16).
   double score = 0.0;      ///< Share of the local points that the map explains, in [0, 1].
-  EvidenceScore evidence;  ///< What the submap's scans say of it.
+  EvidenceScore evidence;  ///< Of the scans in the submap.
 };
 
 struct LocalizedPose {
