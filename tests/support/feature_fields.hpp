@@ -14,7 +14,7 @@
 
 namespace cornerfix::testing {
 
-/// Features a square metre, as in the measurements of docs/algorithm.md.
+/// Features a square metre, as in the measurements of docs/results.md, "Matching".
 constexpr double kFeatureDensity = 0.0177;
 
 /// `count` features in a square.
