@@ -38,7 +38,7 @@ BANNED = [
     (r"look-?alikes?", "aliased poses"),
     (r"floor[ -]maps?", "occupancy map"),
     (r"two[ -]arms?|two-armed", "line-intersection corner"),
-    (r"beam ends?|ends of beams?", "hits"),
+    (r"(?<!a )(?<!the )beam ends?|ends of beams?", "hits"),
     (r"key[ -]frames?", "keyframe"),
     (r"hard (?:areas?|places?)", "low-localizability region"),
     (r"virtual (?:lidars?|scans?)", "simulated scan"),
