@@ -28,7 +28,7 @@ struct SubmapOfField {
   Pose2 T_map_submap;
 };
 
-/// What a robot sees around a random place: of the `count` features of the map that are nearest the
+/// What a robot sees around a random place. Of the `count` nearest features of the map it is the
 /// share `overlap`, each displaced by noise, and as many strange ones as are missing.
 [[nodiscard]] inline SubmapOfField submap_of_field(const std::vector<Feature>& map,
                                                    std::size_t count, double overlap,
