@@ -19,7 +19,7 @@ from typing import Iterator, NamedTuple
 MAX_COLUMNS = 100
 MAX_WORDS = 30
 
-DOCUMENTS = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md"]
+DOCUMENTS = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md", "bench/*/*.md"]
 DESCRIPTIONS = ["api/openapi.yaml"]
 CODE_FOLDERS = ["core", "evaluation", "storage", "api", "server", "cli", "bench", "tests",
                 "docs/examples"]
