@@ -9,12 +9,12 @@
 
 namespace cornerfix::api {
 
-/// What shares of the simulated starts were told their pose.
+/// Shares of the simulated starts that were localized.
 struct ReportShares {
   std::size_t starts = 0;
   double found_at_once = 0.0;
   double found = 0.0;     ///< Within the way allowed.
-  std::size_t wrong = 0;  ///< Starts that were told another pose first.
+  std::size_t wrong = 0;  ///< Starts whose first pose was wrong.
 };
 [[nodiscard]] ReportShares shares_of(const LocalizabilityReport& report);
 

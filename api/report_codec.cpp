@@ -76,7 +76,7 @@ Json look_alike_json(const AliasedPoses& pair) {
           {"starts", pair.starts}};
 }
 
-/// Of all starts; those that were not told their pose count with the whole limit.
+/// Of all starts; those that were not localized count with the whole limit.
 double way_percentile(const LocalizabilityReport& report, double share) {
   std::vector<double> ways;
   for (const AssessedPlace& place : report.places) {

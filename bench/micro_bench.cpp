@@ -1,9 +1,9 @@
 /// \file  Time of each step of the paper's method, one thread:
 /// `cornerfix_micro_bench --benchmark_filter=Vfp`.
 ///
-/// Scans are taken in a room after the paper's figure 7. Matching is timed as in its section 4.3: N
-/// random map features against N - 1 submap features, half of them shared, in 50 m by 50 m with no
-/// pair left out.
+/// Scans are taken in a room after the paper's figure 7. Matching is timed as in its section 4.3.
+/// There are N random map features against N - 1 submap features, half of them shared, in 50 m by
+/// 50 m with no pair left out.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -58,8 +58,8 @@ BENCHMARK(two_arm)
     ->ArgNames({"beams", "mm"})
     ->ArgsProduct({{360, 1440}, {0, 30, 70}});
 
-/// A scan of 1080 beams laid on the submap of the way that led to it, from an odometry that is off
-/// by some centimetres; the argument is how many of its returns are laid.
+/// A scan of 1080 beams matched to the submap of the path that led to it, from odometry that is off
+/// by some centimetres. The argument is the number of returns that are matched.
 void scan_to_submap(benchmark::State& state) {
   constexpr double kStep = 0.15;  // 0.24 m along the circle
   const auto way = testing::circle_in_room(1.6, 0.0, kStep, 41);

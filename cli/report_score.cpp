@@ -36,7 +36,7 @@ double mean_of(std::span<const double> values) {
          static_cast<double>(std::max<std::size_t>(1, values.size()));
 }
 
-/// What was told of starts, and what they needed.
+/// Predicted and measured path lengths of starts.
 struct Ways {
   std::vector<double> told_m;
   std::vector<double> driven_m;

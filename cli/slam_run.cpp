@@ -8,7 +8,7 @@ namespace cornerfix::cli {
 
 namespace {
 
-/// A scan's place on the drive: its key frame, and from there.
+/// A scan's place on the run: its keyframe, and from there.
 struct Stop {
   std::size_t key_frame = 0;
   Pose2 T_key_frame_laser;

@@ -1,5 +1,5 @@
-/// \file  Section 4.2, tables 1-3, figure 7: corners of a scan by the paper's method, by two arms
-/// and by the paper's rivals, in the paper's room and in random ones.
+/// \file  Section 4.2, tables 1-3, figure 7: corners of a scan by the paper's method, by line
+/// intersection and by the paper's baselines, in the paper's room and in random ones.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -73,10 +73,10 @@ Place paper_room(std::uint64_t seed) {
 Place random_room(std::uint64_t seed) { return {testing::random_room(seed), {}}; }
 
 struct Counts {
-  std::size_t found = 0;        ///< Corners that were told.
+  std::size_t found = 0;        ///< Corners that were found.
   std::size_t found_right = 0;  ///< Of these, near one of the room.
   std::size_t seen = 0;         ///< Corners of the room that must be found.
-  std::size_t seen_found = 0;   ///< Of these, with one told near it.
+  std::size_t seen_found = 0;   ///< Of these, with one found near it.
   double extract_ms = 0.0;
   double suppress_ms = 0.0;
 

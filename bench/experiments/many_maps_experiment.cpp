@@ -1,4 +1,4 @@
-/// \file  Which map am I in? A robot that is told its map, and the same robot among many: all other
+/// \file  Which map am I in? A robot with a given map, and the same robot among many: all other
 /// buildings, their mirror images and parts of them, and the mirror image of its own.
 #include <algorithm>
 #include <iterator>

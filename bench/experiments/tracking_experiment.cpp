@@ -30,7 +30,7 @@ struct TrackingArguments {
   std::filesystem::path out = ".";
 };
 
-/// What was said of scans for which a pose was known.
+/// Answers for scans whose pose was known.
 struct Tracked {
   std::vector<double> ms;
   std::size_t right = 0;

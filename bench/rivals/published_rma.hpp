@@ -21,7 +21,7 @@
 namespace cornerfix::bench {
 
 struct PublishedRmaParams {
-  int min_votes = 6;              ///< S_t of algorithm 3; the paper does not tell its value.
+  int min_votes = 6;              ///< S_t of algorithm 3; the paper does not give its value.
   SampledMatchParams sampling{};  ///< p and N/N_local of eq. (18).
   PoseEstimatorParams estimator{};
 };

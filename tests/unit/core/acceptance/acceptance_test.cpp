@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kOfficeArea = 1000.0;  // [m^2]
 
-/// 200 hits over 40 blocks, of which the map explains a share.
+/// 200 hits over 40 blocks; the map explains a share of them.
 EvidenceScore score_with(double explained, double independent_hits = 40.0) {
   EvidenceScore score;
   score.ends = 200;

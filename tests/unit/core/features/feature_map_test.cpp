@@ -119,7 +119,7 @@ TEST(FeatureMap, HoldsTheStrongestCornerOfEveryNeighborhood) {
               ::testing::Contains(::testing::Field(&Feature::position, strongest.position)));
 }
 
-/// A corner whose sigma is known, as two arms tell it.
+/// A corner whose sigma is known, as from a line intersection.
 Feature measured(const Point2& position, double sigma_m, double bisector = 0.0,
                  bool convex = false) {
   return {.position = position,

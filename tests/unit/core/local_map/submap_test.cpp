@@ -69,7 +69,7 @@ struct Deviation {
   double radians = 0.0;
 };
 
-/// The largest over a drive, from where the robot was as seen from its start.
+/// The largest over a run, from where the robot was as seen from its start.
 Deviation deviation_of(const std::vector<Moment>& moments) {
   Driver driver;
   Deviation worst;
@@ -87,7 +87,7 @@ Deviation deviation_in_offices(const Robot& robot) {
       testing::drive(testing::offices(), robot, testing::drive_through_offices(), 1));
 }
 
-/// What a submap tells of a place, comparable.
+/// The evidence of a submap, comparable.
 std::vector<std::pair<double, double>> numbers(const std::vector<Point2>& points) {
   std::vector<std::pair<double, double>> result;
   for (const Point2& p : points) result.emplace_back(p.x(), p.y());

@@ -42,7 +42,7 @@ LocalizationMapPtr room_map(std::uint64_t seed) {
   return testing::make_map(testing::random_room(seed), {0.0, 0.0});
 }
 
-/// A drive about the middle of random_room(seed) from a pose that `seed` draws.
+/// A run about the middle of random_room(seed) from a pose that `seed` draws.
 std::vector<Moment> room_drive(std::uint64_t seed, std::size_t count, const Robot& robot = {}) {
   const SceneBuilder room = testing::random_room(seed);
   std::mt19937_64 random(seed + 1000);
@@ -134,7 +134,7 @@ SceneBuilder mirrored(const SceneBuilder& scene) {
   return result;
 }
 
-/// Drives until a few scans after the first fix.
+/// Drives until a few scans after it is first localized.
 std::vector<Answer> answers_until_fixed(Localizer& localizer, const std::vector<Moment>& moments) {
   std::vector<Answer> answers;
   for (const Moment& moment : moments) {

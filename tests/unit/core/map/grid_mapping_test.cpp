@@ -29,7 +29,7 @@ GridMap map_of(const OccupancyGrid& floor_map) {
   return map ? std::move(*map) : GridMap{};
 }
 
-/// The last answer to a drive through the offices.
+/// The last answer to a run through the offices.
 Answer localize_in(const GridMap& map) {
   const testing::SceneBuilder scene = testing::offices();
   Localizer localizer({std::make_shared<const LocalizationMap>("offices", 1, map.content)},

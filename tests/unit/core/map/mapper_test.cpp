@@ -108,7 +108,7 @@ TEST(Mapper, TheSameKeyFramesMakeTheSameMap) {
   expect_same(mapper.build(), mapper.build());
 }
 
-/// An optimised trajectory moves the key frames: the map made anew is that of a drive that was
+/// An optimised trajectory moves the keyframes: the map made anew is that of a run that was
 /// there.
 TEST(Mapper, MovedKeyFramesMakeTheMapOfThatDrive) {
   std::vector<PosedScan> bent = room_scans();

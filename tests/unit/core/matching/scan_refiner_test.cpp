@@ -130,7 +130,7 @@ TEST(ScanRefiner, InformationShowsTheBlindDirection) {
   }
 }
 
-/// The steps of a slanted wall in the grid tell something along it that is not there; never much.
+/// The steps of a slanted wall in the grid give some false information along it; never much.
 TEST(ScanRefiner, ASlantedCorridorIsWeaklyKnownAlongItsAxis) {
   std::mt19937_64 random(2);
   const Pose2 T{0.0, 0.0, 0.5};

@@ -25,7 +25,7 @@ std::vector<Feature> corners_of(const LaserScan& scan) {
   return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
 }
 
-/// Two walls of 3 m that meet at (3, 0), each turned by `half_angle` from the x axis; the lidar at
+/// Two walls of 3 m that meet at (3, 0), each turned by `half_angle` from the x axis. The lidar at
 /// the origin looks into the corner when the walls come towards it.
 SceneBuilder wedge(double half_angle) {
   const Point2 tip(3.0, 0.0);

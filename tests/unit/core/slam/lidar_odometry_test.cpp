@@ -56,7 +56,7 @@ TEST(LidarOdometry, BearsAnOdometryThatStandsStillAndThenJumps) {
   EXPECT_THAT(poses.back(), IsPoseNear(expected(moments, moments.size() - 1), 0.15, 0.03));
 }
 
-/// A counter that began anew, or ran over: what it tells of that one step is no motion.
+/// A counter that began again, or overflowed: its value for that one step is no motion.
 TEST(LidarOdometry, BearsAnOdometryThatBeginsAnew) {
   for (const double offset : {30.0, 800.0, 1e8}) {
     std::vector<Moment> moments = moments_with({});
