@@ -62,14 +62,14 @@ enum class Withdrawal {
 inline constexpr std::size_t kEndClasses = 14;  ///< Classes of hits, named by hits_by_class().
 inline constexpr std::size_t kPassClasses = 4;  ///< Of misses, named by misses_by_class().
 
-/// The log-likelihood ratio of a pose, by the class of each hit and miss. A hit is a beam end, a
+/// The log-likelihood ratio of a pose, by the class of each hit and miss. A hit is a hit, a
 /// miss is a place that beams passed. Both are thinned to cells.
 struct EvidenceScore {
-  std::array<int, kEndClasses> end_counts{};    ///< Beam ends by class.
+  std::array<int, kEndClasses> end_counts{};    ///< Hits by class.
   std::array<int, kPassClasses> pass_counts{};  ///< Passed places by class.
   double fit = 0.0;                ///< Log-likelihood ratio that ranks poses in the search [nat].
   double log_likelihood = 0.0;     ///< Log-likelihood ratio that the decision compares [nat].
-  int ends = 0;                    ///< Beam ends judged.
+  int ends = 0;                    ///< Hits judged.
   std::vector<float> block_llr{};  ///< log_likelihood by square of 2 m [nat].
   /// Effective number of squares that the hits spread over: (sum n)^2 / sum n^2 of their counts n.
   double independent_hits = 0.0;

@@ -21,7 +21,7 @@ struct Feature {
   int count = 1;            ///< Scans that showed it.
   bool convex = false;      ///< It juts out towards who sees it; the corner of a room does not.
   /// Standard deviation of the position in any direction, from the noise of the ranges alone [m]; 0
-  /// where the extractor does not tell.
+  /// where the extractor does not give it.
   double sigma_m = 0.0;
 };
 
@@ -40,8 +40,8 @@ enum class CornerExtractor {
 
 /// Corners of one scan in `laser`, by ascending beam, with the extractor's default parameters for
 /// this scanner. `scan` must pass validate(). O(beams).
-/// \param min_noise_m  The ranges are at least as noisy as this, whatever they look like;
-/// kLineIntersection alone asks for it.
+/// \param min_noise_m  The ranges are at least as noisy as this, even if they look better;
+/// kLineIntersection alone uses it.
 [[nodiscard]] std::vector<Feature> extract_corners(const LaserScan& scan, CornerExtractor extractor,
                                                    double min_noise_m = 0.0);
 

@@ -46,7 +46,7 @@ struct RobotScan {
   std::optional<Pose2> T_odom_base_link;  ///< Odometry at the stamp, when there is any.
 };
 
-/// A scan of a mapping drive.
+/// A scan of a mapping run.
 struct PosedScan {
   LaserScan scan;
   Pose2 T_base_link_laser;
@@ -81,9 +81,9 @@ struct ScanMotion {
 [[nodiscard]] bool is_plausible(const ScanMotion& motion);
 
 /// The scan as a laser would have taken it that stands where this one was at its stamp. Turning
-/// changes the angle increment. Driving moves returns to other beams: the nearest return of a beam
-/// stays, and a single beam without any gets the mean of its neighbours if they are of one surface.
-/// A scan whose increment would vanish or change its sign comes back as it is. O(beams).
+/// changes the angle increment. Driving moves returns to other beams. The nearest return of a beam
+/// stays. A single beam without any gets the mean of its neighbours if they are of one surface. A
+/// scan whose increment would vanish or change its sign comes back as it is. O(beams).
 [[nodiscard]] LaserScan straightened(const LaserScan& scan, const ScanMotion& motion);
 
 }  // namespace cornerfix

@@ -33,7 +33,7 @@ struct LocalizerState {
   Pose2 T_map_submap;         ///< Valid while tracked_map >= 0.
   int misfits = 0;            ///< Consecutive scans that did not fit while localized.
   double misfit_way_m = 0.0;  ///< Driven since a scan fitted.
-  /// Row-major, of x, y, yaw; all zeros: that of a new fix.
+  /// Row-major, of x, y, yaw; all zeros: that of a newly accepted pose.
   std::array<double, 9> tracking_covariance{};
   std::optional<double> usual_fit;    ///< Share of a scan's ends that are on walls where mapped.
   std::optional<double> usual_share;  ///< Share of a scan's points that match the submap.

@@ -29,7 +29,7 @@ struct SampledMatchParams {
 
 [[nodiscard]] std::optional<Error> validate(const SampledMatchParams& params);
 
-/// Limits of the consensus search of rma and nma (algorithm.md, section 8, starting values).
+/// Limits of the consensus search of rma and nma (docs/method/11-parameters.md).
 struct PoseEstimatorParams {
   double inlier_distance_m = 0.30;  ///< Largest residual of an inlier; > 0.
   int min_inliers = 4;              ///< Fewer than this is no pose; >= 2.
@@ -43,7 +43,7 @@ struct PoseEstimatorParams {
 struct AcceptanceParams {
   double min_probability = 0.995;  ///< Of the calibrated model; in (0, 1).
   double min_gap = 3.0;        ///< Log-likelihood less that of the best other place [nat]; >= 0.
-  double min_mean_gap = 0.02;  ///< The same a beam end: identical rooms stay below; >= 0.
+  double min_mean_gap = 0.02;  ///< The same a hit: identical rooms stay below; >= 0.
 };
 
 struct LocalizerParams {

@@ -1,9 +1,9 @@
 /// \file  Makes a map from scans at known poses, or from an occupancy map alone.
 ///
-/// The key frames are the map's source; all else is derived from them and can be made anew, for
+/// The keyframes are the map's source. All else is derived from them and can be made again, for
 /// instance after an optimised trajectory moved them (end of the paper's section 2). Those of a
-/// later run update the map: what is gone where they looked leaves it. A key frame begins another
-/// run when its stamp is more than five minutes from that of the key frame before, either way.
+/// later run update the map: what is gone where they looked leaves it. A keyframe begins another
+/// run when its stamp is more than five minutes from that of the keyframe before, either way.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace cornerfix {
 
-/// How key frames become an occupancy grid.
+/// How keyframes become an occupancy grid.
 struct OccupancyMappingParams {
   double resolution_m = 0.05;  ///< [m/cell]; > 0.
   double max_range_m = 30.0;   ///< Longer returns are left out: their ends lie too far apart; > 0.
@@ -33,9 +33,9 @@ struct OccupancyMappingParams {
 [[nodiscard]] std::optional<Error> validate(const OccupancyMappingParams& params);
 
 struct MapperParams {
-  double key_frame_distance_m = 0.15;  ///< A scan this far from the last key frame is one; >= 0.
+  double key_frame_distance_m = 0.15;  ///< A scan this far from the last keyframe is one; >= 0.
   double key_frame_angle_rad = 0.14;   ///< Or turned by this much; >= 0.
-  int min_feature_count = 2;           ///< Key frames that must show a feature; >= 1.
+  int min_feature_count = 2;           ///< Keyframes that must show a feature; >= 1.
   CornerExtractor extractor = CornerExtractor::kLineIntersection;
   OccupancyMappingParams grid{};
   FeatureMapParams features{};
@@ -44,7 +44,7 @@ struct MapperParams {
 
 [[nodiscard]] std::optional<Error> validate(const MapperParams& params);
 
-/// What is derived from key frames: all that localizing needs, and nothing else.
+/// What is derived from keyframes: all that localizing needs, and nothing else.
 struct MapContent {
   std::vector<Feature> features;  ///< In `map`.
   DescriptorSet descriptors;      ///< Of `features`, same order.
@@ -75,23 +75,23 @@ class Mapper {
   /// Why the map cannot take `scan`, or nothing: it would make the grid larger than kMaxCells.
   [[nodiscard]] std::optional<Error> reject(const PosedScan& scan) const;
 
-  /// Whether `scan` is far enough from the last key frame to become one.
+  /// Whether `scan` is far enough from the last keyframe to become one.
   [[nodiscard]] bool is_key_frame(const PosedScan& scan) const;
 
-  /// Adds a key frame, which must not be rejected: its corners join the features. O(beams), and in
-  /// a later drive O(features).
+  /// Adds a keyframe, which must not be rejected: its corners join the features. O(beams), and in
+  /// a later run O(features).
   void add(PosedScan key_frame);
 
   static constexpr double kMaxCells = 1e8;  ///< Of the grid: 500 x 500 m at 0.05 m.
 
   [[nodiscard]] const std::vector<PosedScan>& key_frames() const { return key_frames_; }
-  /// Features that enough key frames have shown so far.
+  /// Features that enough keyframes have shown so far.
   [[nodiscard]] std::size_t feature_count() const;
 
-  /// What the key frames saw; nothing before the first.
+  /// What the keyframes saw; nothing before the first.
   [[nodiscard]] const std::optional<Bounds>& bounds() const { return bounds_; }
 
-  /// Features, descriptors and grid of all key frames. O(key frames * beams * range / resolution).
+  /// Features, descriptors and grid of all keyframes. O(keyframes * beams * range / resolution).
   [[nodiscard]] MapContent build() const;
 
  private:
@@ -103,7 +103,7 @@ class Mapper {
 
 /// A map made from an occupancy map.
 struct GridMap {
-  MapContent content;                 ///< `grid` is turned as the floor map is.
+  MapContent content;                 ///< `grid` is turned as the occupancy map is.
   std::vector<std::string> warnings;  ///< What the map's owner should know; one sentence each.
 };
 
@@ -111,7 +111,7 @@ struct GridMap {
 /// so they are what a lidar would see there; the grid holds the surfaces of the walls.
 ///
 /// Of `params` the extractor, the features, the descriptors, the grid's resolution and the least
-/// count of a feature are used; a count is of simulated scans, one a square metre of free space.
+/// count of a feature are used. A count is of simulated scans, one per square metre of free space.
 ///
 /// \return kInvalidArgument for a map without free cells or without walls, kTooLarge for one of
 /// more than Mapper::kMaxCells cells at the wanted resolution.

@@ -28,8 +28,8 @@ class LidarOdometry {
   /// alone leads on. O(beams).
   [[nodiscard]] Pose2 process(const RobotScan& scan);
 
-  /// Goes on after the scans of `track`, whose poses it gave earlier: as it would have after them,
-  /// but that the next scan's odometry tells no motion yet.
+  /// Continues after the scans of `track`, whose poses it gave earlier, as it would have after
+  /// them. Only the motion of the next scan's odometry is not known yet.
   void resume(std::span<const PosedScan> track);
 
  private:
@@ -38,7 +38,7 @@ class LidarOdometry {
 };
 
 struct OptimizedTrajectory {
-  std::vector<Pose2> T_map_base_link;  ///< One a key frame; the first is the identity.
+  std::vector<Pose2> T_map_base_link;  ///< One a keyframe; the first is the identity.
   std::size_t submaps = 0;
   std::size_t loop_closures = 0;  ///< Submaps that were found among older ones.
 };
@@ -47,15 +47,15 @@ struct OptimizedTrajectory {
 /// correction over all poses.
 ///
 /// The run is cut into overlapping rigid submaps. Each is looked for among the older ones by the
-/// branch-and-bound search that localizes robots, and accepted by the same test. Then every key
-/// frame is matched to every submap around it, and a pose graph over key frames and submaps finds
+/// branch-and-bound search that localizes robots, and accepted by the same test. Then every
+/// keyframe is matched to every submap around it, and a pose graph over keyframes and submaps finds
 /// the poses that agree best. After Hess et al. 2016.
 ///
-/// \param drive     Key frames at the poses of lidar odometry, in the order of driving.
+/// \param drive     Keyframes at the poses of lidar odometry, in the order of driving.
 /// \param progress  Called with the share done, in [0, 1]; may be empty.
 /// \return kInternal when the pose graph has no solution.
 ///
-/// Deterministic, keeps no state. O(submaps * area of the map + key frames * beams).
+/// Deterministic, keeps no state. O(submaps * area of the map + keyframes * beams).
 [[nodiscard]] Result<OptimizedTrajectory> optimize_trajectory(
     std::span<const PosedScan> drive, const std::function<void(double)>& progress = {});
 

@@ -7,7 +7,7 @@
 /// And that margin must be significant against each rival (a test of non-nested models after Vuong
 /// 1989, with blocks of the local map as independent samples). The probability is the product: a
 /// large margin over rivals does not excuse a pose that explains nothing. Coefficients:
-/// docs/algorithm.md, `scripts/calibrate.sh`.
+/// docs/method/05-acceptance.md.
 #pragma once
 
 #include <span>
@@ -23,8 +23,8 @@ namespace cornerfix {
 [[nodiscard]] double margin_z(const EvidenceScore& best, const EvidenceScore& rival);
 
 /// Negative logarithm of the expected number of poses that explain as many independent hits by
-/// chance [nat]: independent hits times the relative entropy of the explained share, less the
-/// logarithm of the number of distinct poses in `free_area_m2`.
+/// chance [nat]. It is the independent hits times the relative entropy of the explained share,
+/// minus the logarithm of the number of distinct poses in `free_area_m2`.
 [[nodiscard]] double chance_significance(const EvidenceScore& best, double free_area_m2);
 
 /// \param margin  Log-likelihood of the best less that of the strongest rival [nat].

@@ -13,7 +13,7 @@ double way_at(const LocalizabilityReport& report, std::size_t place) {
   return expected_way_m(report.places[place], report.way_limit_m);
 }
 
-/// Groups of hard places, each near another one of its group.
+/// Groups of places with low localizability, each near another one of its group.
 std::vector<std::vector<std::size_t>> group_hard_places(const LocalizabilityReport& report) {
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < report.places.size(); ++i) {

@@ -34,7 +34,7 @@ void for_each_in_parallel(std::size_t count, const Work& work) {
     try {
       for (std::size_t i = 1; i < threads; ++i) helpers.emplace_back(take_turns);
     } catch (const std::system_error&) {
-      // No more threads are to be had: those there are do it.
+      // No more threads can be started: the existing ones do the work.
     }
     take_turns();
   }

@@ -45,7 +45,7 @@ std::ptrdiff_t beam_at(const LaserScan& scan, double bearing) {
   return beam >= 0 && beam < static_cast<std::ptrdiff_t>(scan.ranges.size()) ? beam : -1;
 }
 
-/// Whether the beam goes as far as `distance`; one without a return tells nothing.
+/// Whether the beam goes as far as `distance`; one without a return does not count.
 bool reaches(const LaserScan& scan, std::ptrdiff_t beam, double distance) {
   if (beam < 0 || !scan.has_return(static_cast<std::size_t>(beam))) return false;
   return static_cast<double>(scan.ranges[static_cast<std::size_t>(beam)]) >= distance;
@@ -117,7 +117,7 @@ std::vector<Feature> FeatureHistory::standing() const {
     if (again != near.end()) {
       newer[*again].count += earlier.feature.count;
     } else if (!near.empty()) {
-      // Shown, but not often enough to tell its place anew.
+      // Shown, but not often enough to update its place.
       kept.push_back(earlier.feature);
       kept.back().count += drive_.features()[near.front()].count;
       for (const std::size_t i : near) dropped[i] = true;

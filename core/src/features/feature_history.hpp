@@ -11,17 +11,17 @@
 
 namespace cornerfix {
 
-/// Grows by the corners of scans, as FeatureMap does. In a new drive (mapping_drive.hpp) a feature
-/// shown again stands where that drive saw it, and one that ten of its scans could have shown and
-/// none did is gone: they looked through its place, or saw it from inside its arms without a corner
-/// there. What the drive does not come by stays.
-/// Value type; not synchronised. A scan costs O(corners), after the first drive O(features).
+/// Grows by the corners of scans, as FeatureMap does. In a new run (mapping_drive.hpp) a feature
+/// shown again stands where that run saw it. One that ten of its scans could have shown and none
+/// did is gone. They looked through its place, or saw it from between its walls without a corner
+/// there. What the run does not pass stays. Value type; not synchronised. A scan costs O(corners),
+/// after the first run O(features).
 class FeatureHistory {
  public:
   /// `min_count` is how many scans must show a feature; >= 1.
   FeatureHistory(FeatureMapParams params, int min_count);
 
-  /// The scans from here on are of a later drive.
+  /// The scans from here on are of a later run.
   void begin_drive();
 
   /// \param corners  Those of `scan`, in this history's frame.
@@ -31,17 +31,17 @@ class FeatureHistory {
   [[nodiscard]] std::vector<Feature> repeated() const;
 
  private:
-  /// One of earlier drives.
+  /// A feature of earlier runs.
   struct Earlier {
     Feature feature;
-    int looks = 0;  ///< Scans of this drive that could have shown it.
+    int looks = 0;  ///< Scans of this run that could have shown it.
   };
 
   [[nodiscard]] std::vector<Feature> standing() const;
 
   FeatureMapParams params_;
   int min_count_;
-  FeatureMap drive_;  ///< Of the newest drive.
+  FeatureMap drive_;  ///< Of the newest run.
   std::vector<Earlier> earlier_;
 };
 

@@ -26,10 +26,10 @@ class FeatureMap {
 
   /// Merges `corners`, given in this map's frame, seen in one scan. A corner of the same sense and
   /// direction as a feature within the radius is that feature seen again: position, direction and
-  /// turn become the inverse-variance mean. Any other corner weaker than a feature
-  /// within the radius adds to the count of the nearest one; a corner stronger than all of them
-  /// takes their place and their counts. A scan adds at most one to a count. Positions must be
-  /// finite and within 1e8 radii of the origin.
+  /// turn become the inverse-variance mean. Any other corner weaker than a feature within the
+  /// radius adds to the count of the nearest one. A corner stronger than all of them takes their
+  /// place and their counts. A scan adds at most one to a count. Positions must be finite and
+  /// within 1e8 radii of the origin.
   void insert(std::span<const Feature> corners);
 
   /// In the order of first sight, but for features that a stronger corner between them made one:

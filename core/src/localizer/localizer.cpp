@@ -84,8 +84,8 @@ struct Localizer::Impl {
   AcceptanceTerms terms;  ///< Of the last decision.
 
   std::optional<Candidate> fix;  ///< While localized.
-  PoseTracker tracker;           ///< Of the fix.
-  Pose2 T_map_submap;            ///< By the fix.
+  PoseTracker tracker;           ///< Of the accepted pose.
+  Pose2 T_map_submap;            ///< By the accepted pose.
   double misfit_way_m = 0.0;
   int misfits = 0;
   bool is_doubted = false;                    ///< This scan fits neither the local map nor the map.
@@ -98,7 +98,6 @@ struct Localizer::Impl {
   NewGround new_ground;              ///< Since the acceptance.
 
   // --- one scan
-  // ---------------------------------------------------------------------------------------------------
 
   [[nodiscard]] double now() const { return clock ? clock() : 0.0; }
 
@@ -207,7 +206,7 @@ struct Localizer::Impl {
     return matched_share >= std::max(kMinMatchedShare, kMinUsualShare * usual);
   }
 
-  /// The scans no longer continue the submap: whatever was known from it is void.
+  /// The scans no longer continue the submap: all that was derived from it is void.
   void restart_submap(Withdrawal cause) {
     submap = Submap();
     T_submap_base_link = {};
@@ -241,7 +240,6 @@ struct Localizer::Impl {
   }
 
   // --- search
-  // -----------------------------------------------------------------------------------------------------
 
   void look_for_robot(StepTimes& times) {
     const View view = view_from(submap, T_submap_base_link);
@@ -303,7 +301,6 @@ struct Localizer::Impl {
   }
 
   // --- tracking
-  // ---------------------------------------------------------------------------------------------------
 
   void begin_tracking(const Candidate& candidate) {
     fix = candidate;
@@ -371,7 +368,6 @@ struct Localizer::Impl {
   }
 
   // --- answer
-  // -----------------------------------------------------------------------------------------------------
 
   [[nodiscard]] Answer answer(const StepTimes& times) const {
     Answer answer;

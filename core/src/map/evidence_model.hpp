@@ -3,7 +3,7 @@
 ///
 /// Every end of a beam and every place that beams passed falls in a class by what the map holds
 /// there. A class weighs ln(P(class | true pose) / P(class | best wrong pose)), learnt by counting
-/// over real logs (docs/algorithm.md).
+/// over real logs (docs/method/05-acceptance.md).
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace cornerfix {
 
-/// Upper limits of the distance classes of beam ends [m]. Beyond the near ones, known-free and
+/// Upper limits of the distance classes of hits [m]. Beyond the near ones, known-free and
 /// unknown cells are classes of their own.
 inline constexpr std::array<double, 4> kNearLimits{0.05, 0.10, 0.15, 0.20};
 inline constexpr std::array<double, 4> kFarLimits{0.30, 0.50, 1.00, 1e9};
@@ -44,8 +44,8 @@ inline constexpr EvidenceWeights kSearchWeights{
     {0.41F, -0.14F, -0.72F, -0.77F, -1.20F, -1.24F, -1.03F, -0.47F, -0.10F, -0.10F, -0.10F, -0.10F,
      -0.10F, -1.30F},
     {-0.90F, -0.62F, 0.11F, -0.44F}};
-/// The same, learnt in the next round, over the places that a search by the first table finds: what
-/// tells the true one from its rivals.
+/// The same, learnt in the next round, over the poses that a search by the first table finds. It
+/// separates the correct one from its rivals.
 inline constexpr EvidenceWeights kRivalWeights{
     {0.35F, -0.12F, -0.63F, -0.68F, -1.11F, -1.20F, -1.16F, -0.90F, -0.10F, -0.10F, -0.10F, -0.10F,
      -0.10F, -1.30F},

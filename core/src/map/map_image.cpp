@@ -342,7 +342,7 @@ class PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 
-  /// Reads the header and asks for 8-bit RGBA, whatever the file holds.
+  /// Reads the header and requests 8-bit RGBA for any content of the file.
   bool read_header() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_read_info(png_, info_);

@@ -7,7 +7,7 @@ namespace cornerfix {
 
 namespace {
 
-constexpr double kLongestPauseS = 300.0;  // recorded drives that stop to look make it 230 s
+constexpr double kLongestPauseS = 300.0;  // recorded runs that stop to look make it 230 s
 
 }  // namespace
 

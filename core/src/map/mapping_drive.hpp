@@ -1,5 +1,5 @@
-/// \file  Key frames by the drive that took them, so that a building mapped again is told from one
-/// that is mapped on.
+/// \file  Keyframes by the run that took them, so that a building mapped again differs from one
+/// whose mapping continues.
 #pragma once
 
 #include <span>
@@ -9,12 +9,12 @@
 
 namespace cornerfix {
 
-/// Whether a key frame begins another drive than the one before it: their stamps are more than five
-/// minutes apart, forwards or back. The stamps of one drive follow each other; a few out of order,
-/// as of two lidars, are still one drive.
+/// Whether a keyframe begins another run than the one before it: their stamps are more than five
+/// minutes apart, forwards or back. The stamps of one run follow each other; a few out of order, as
+/// of two lidars, are still one run.
 [[nodiscard]] bool begins_drive(const PosedScan& before, const PosedScan& key_frame);
 
-/// The key frames, in their order, cut where a drive begins. O(key frames).
+/// The keyframes, in their order, cut where a run begins. O(keyframes).
 [[nodiscard]] std::vector<std::span<const PosedScan>> drives_of(
     std::span<const PosedScan> key_frames);
 

@@ -12,7 +12,7 @@
 namespace cornerfix {
 namespace {
 
-/// Counts the beams of one drive.
+/// Counts the beams of one run.
 class BeamCounter {
  public:
   explicit BeamCounter(const OccupancyGrid& grid) : grid_(grid), counts_(grid.cells.size()) {}
@@ -79,7 +79,7 @@ class BeamCounter {
   std::vector<BeamCounts> counts_;
 };
 
-/// What the beams of all drives told of each cell, later drives before earlier ones.
+/// Hits and misses of each cell over all runs, later runs before earlier ones.
 std::vector<BeamCounts> count_beams(std::span<const PosedScan> key_frames,
                                     const OccupancyGrid& grid, double max_range_m) {
   std::vector<BeamCounts> counts;

@@ -98,8 +98,8 @@ bool begin_at_borders(const OccupancyGrid& floor_map, double thickness_m) {
   return floor_map.resolution > kFineCell || thickness_m > 1.5 * floor_map.resolution;
 }
 
-/// Draws what is known of a floor map in cells of about the wanted size: `parts` to a side of its
-/// cells, or one to `merged` of them.
+/// Draws what is known of an occupancy map in cells of about the wanted size: `parts` to a side of
+/// its cells, or one to `merged` of them.
 class SurfaceGrid {
  public:
   /// \param shift  0: cells of the map fall on whole cells or parts of cells; 0.5: the corners of
@@ -173,7 +173,7 @@ class SurfaceGrid {
     return false;
   }
 
-  /// Column or row in the drawing of a column or row, or of a corner, of the floor map.
+  /// Column or row in the drawing of a column or row, or of a corner, of the occupancy map.
   [[nodiscard]] std::int64_t index(int of_map, int first) const {
     return ((static_cast<std::int64_t>(of_map) - first) * parts_ + round_up_) / merged_;
   }
@@ -197,7 +197,7 @@ class SurfaceGrid {
   int parts_ = 1;
   int merged_ = 1;
   int round_up_ = 0;
-  CellIndex first_{0, 0};  // of the floor map, at the lower left of the drawing
+  CellIndex first_{0, 0};  // of the occupancy map, at the lower left of the drawing
   CellIndex end_{0, 0};
   OccupancyGrid grid_;
 };

@@ -1,7 +1,8 @@
-/// \file  Where the walls of a floor map show their surface to a lidar, as a grid to localize in.
+/// \file  Where the walls of an occupancy map show their surface to a lidar, as a grid to localize
+/// in.
 ///
-/// A floor map is drawn, or was made by another program: of any resolution, its walls as thick as
-/// they were drawn, their rims often grey. A lidar sees only where a wall meets open space.
+/// An occupancy map is drawn, or was made by another program: of any resolution, its walls as thick
+/// as they were drawn, their rims often grey. A lidar sees only where a wall meets open space.
 #pragma once
 
 #include <cornerfix/occupancy_grid.hpp>
@@ -12,8 +13,8 @@ namespace cornerfix {
 /// An occupied cell farther than this from free space is no surface [m].
 inline constexpr double kMaxRimWidth = 0.16;
 
-/// A floor map whose grey rims are free: unknown cells on a way, at most kMaxRimWidth long, from
-/// free space to a wall. O(cells).
+/// An occupancy map whose grey rims are free: unknown cells on a way, at most kMaxRimWidth long,
+/// from free space to a wall. O(cells).
 [[nodiscard]] OccupancyGrid without_grey_rims(OccupancyGrid floor_map);
 
 struct WallSurfaces {

@@ -81,7 +81,7 @@ class BestMatches {
   void add(const DescriptorMatch& match) { added_.push_back(match); }
 
   /// To be called when all matches of the features seen so far have been added, and before those of
-  /// any feature of a higher index: that is why equal votes need not be looked at again.
+  /// any feature of a higher index. Therefore equal votes need not be compared again.
   void settle() {
     keep_one_a_bin_and_feature();
     best_.insert(best_.end(), added_.begin(), added_.end());

@@ -84,7 +84,7 @@ class Consensus {
   double squared_inlier_distance_;
 };
 
-/// Whether one rigid motion can make inliers of both, and both tell a direction.
+/// Whether one rigid motion can make inliers of both, and both fix a direction.
 bool are_consistent(const Correspondence& a, const Correspondence& b, double inlier_distance_m) {
   const double in_submap = (a.point_submap - b.point_submap).norm();
   const double in_map = (a.point_map - b.point_map).norm();

@@ -21,8 +21,8 @@ struct PoseEstimate {
   double rms_residual_m = 0.0;       ///< Over the inliers.
 };
 
-/// Least-squares rigid transform for correspondences taken as all true; nothing when they do not
-/// tell the rotation: fewer than two, all in one point, or each other's mirror image.
+/// Least-squares rigid transform for correspondences taken as all true. Nothing when they do not
+/// fix the rotation: fewer than two, all in one point, or each other's mirror image.
 [[nodiscard]] std::optional<Pose2> fit_rigid(std::span<const Correspondence> correspondences);
 
 /// Finds the pose that the most correspondences agree on: RANSAC over pairs, closed form over the

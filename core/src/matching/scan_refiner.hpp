@@ -1,5 +1,5 @@
-/// \file  The paper's ICP step: a pose refined so that points come to lie on walls, with what that
-/// says of its certainty.
+/// \file  The paper's ICP step: a pose refined so that points come to lie on walls, and its
+/// information.
 ///
 /// Gauss-Newton on the distance field with a robust weight. The gradient of the field is the normal
 /// of the nearest wall, so a step is one of point-to-line ICP without the search for neighbours.
@@ -49,9 +49,8 @@ struct RefinedPose {
                                       const ScanRefinerParams& params,
                                       const std::optional<PosePrior>& prior = std::nullopt);
 
-/// What the points say of the pose that they were laid on walls by: information of x, y, yaw along
-/// the axes of the frame, without any prior. Singular where they say nothing (along a bare
-/// corridor). O(points).
+/// Information of x, y, yaw from points matched to walls, along the axes of the frame, without any
+/// prior. Singular where they do not constrain the pose (along a bare corridor). O(points).
 [[nodiscard]] Eigen::Matrix3d observed_information(const DistanceField& field,
                                                    std::span<const Point2> points_base_link,
                                                    const Pose2& T_frame_base_link,

@@ -34,7 +34,7 @@ std::vector<Point2> positions(std::span<const Feature> features) {
 }
 
 /// Median distance of a point to the k-th nearest other, over a sample of the points: what "near"
-/// means in this map, whatever its outline. 0 for fewer than two points.
+/// means in this map of any outline. 0 for fewer than two points.
 double reach_of(std::span<const Point2> points, std::size_t k) {
   constexpr std::size_t kSample = 101;
   std::vector<double> reaches;
@@ -177,7 +177,8 @@ class TriangleIndex::Search {
     }
   }
 
-  /// The sequential test: every point on a feature speaks for the transform, every other against.
+  /// The sequential test: every point on a feature supports the transform, every other contradicts
+  /// it.
   [[nodiscard]] bool is_promising(const Pose2& T_map_triangle,
                                   std::span<const Point2> tests_triangle) const {
     const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(T_map_triangle.yaw).toRotationMatrix();

@@ -1,9 +1,9 @@
 /// \file  Finds where a submap lies among any number of map features, by congruent triangles.
 ///
 /// Three features of the submap and three of the map with the same sides give a transform. It is
-/// tried feature by feature until it is clearly right or clearly chance (Wald 1945, the sequential
-/// probability ratio test), and taken when chance alone would not give as many hits (the number of
-/// false alarms of Desolneux, Moisan, Morel 2000). Triangles are small and looked up by their
+/// tested feature by feature until it is clearly right or clearly chance (Wald 1945, the sequential
+/// probability ratio test). It is a match when chance alone would not give as many hits (the number
+/// of false alarms of Desolneux, Moisan, Morel 2000). Triangles are small and looked up by their
 /// sides, so a town costs little more than a house.
 #pragma once
 
@@ -22,7 +22,7 @@
 namespace cornerfix {
 
 struct TriangleIndexParams {
-  double min_side_m = 1.0;    ///< Shorter sides tell no heading; > 0.
+  double min_side_m = 1.0;    ///< Shorter sides fix no heading; > 0.
   int neighbors = 18;         ///< Triangles reach as far as about so many features; in [3, 100].
   double tolerance_m = 0.15;  ///< Of a side's length and of a feature's place; > 0.
 };
@@ -52,9 +52,9 @@ class TriangleIndex {
   /// Of no features: matches nothing.
   TriangleIndex();
 
-  /// Features must lie within 100 km of each other and, for the false alarms to be right, no two
-  /// within the tolerance, as in a FeatureMap; the same holds for those of a submap. `params` must
-  /// pass validate(). O(n * neighbors^2); 300 bytes a feature.
+  /// Features must lie within 100 km of each other. For correct false alarms, no two may lie within
+  /// the tolerance, as in a FeatureMap. The same holds for those of a submap. `params` must pass
+  /// validate(). O(n * neighbors^2); 300 bytes a feature.
   TriangleIndex(std::span<const Feature> features_map, const TriangleIndexParams& params);
 
   /// The places where the submap fits far better than by chance, least false alarms first. None is

@@ -13,7 +13,7 @@
 
 namespace cornerfix {
 
-/// Which triangles tell a place.
+/// Which triangles are distinct enough to find a place.
 struct TriangleLimits {
   double min_side_m = 0.0;
   double max_side_m = 0.0;

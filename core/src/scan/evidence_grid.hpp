@@ -1,9 +1,8 @@
-/// \file  What the scans of a submap say of the place: where beams ended and where they passed,
-/// thinned to cells.
+/// \file  Hits and passed points of the scans of a submap, thinned to cells.
 ///
 /// A wall that was seen a hundred times is one piece of evidence, not a hundred. Cells that beams
-/// pass more often than they end there are people or doors and are left out (algorithm.md, section
-/// 10).
+/// pass more than twice as often as they hit them are people or doors and are left out
+/// (docs/method/03-local-map.md, section 3.3).
 #pragma once
 
 #include <cstdint>
@@ -26,7 +25,7 @@ inline constexpr double kBlockSize = 2.0;
 
 /// Points that stand for what was seen, in the frame of the grid's scans.
 struct Evidence {
-  std::vector<Point2> ends{};  ///< Where walls are: the mean of the beam ends in a cell.
+  std::vector<Point2> ends{};  ///< Where walls are: the mean of the hits in a cell.
   std::vector<Point2> free{};  ///< Where beams passed and none ended.
   /// From where each of `ends` was last seen, or empty when that does not matter.
   std::vector<Point2> origins{};

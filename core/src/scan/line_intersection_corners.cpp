@@ -355,7 +355,8 @@ class CornerFinder {
   }
 
   /// Of a line's place across itself. The noise across a wall seen at an angle is less than that of
-  /// the ranges, so the arm's own residuals tell it, as far as there are enough of them.
+  /// the ranges. So it is estimated from the arm's own residuals, as far as there are enough of
+  /// them.
   [[nodiscard]] double variance_at(const Point2& point, const Line& line) const {
     const double noise = (line.squared_residuals + kPriorResiduals * sigma_ * sigma_) /
                          (line.count - 2.0 + kPriorResiduals);
@@ -409,7 +410,7 @@ std::optional<Error> validate(const LineIntersectionParams& params) {
 double estimate_range_noise(const LaserScan& scan) {
   std::vector<float> differences;
   differences.reserve(scan.ranges.size() / 2);
-  // Neighbouring differences share returns and tell little more than every other one.
+  // Neighbouring differences share returns and add little to every other one.
   for (std::size_t i = 1; i + 1 < scan.ranges.size(); i += 2) {
     if (!scan.has_return(i - 1) || !scan.has_return(i) || !scan.has_return(i + 1)) continue;
     differences.push_back(

@@ -1,8 +1,9 @@
-/// \file  The default corners: two straight arms fitted to the returns on both sides of a point.
+/// \file  The default corners: intersections of lines fitted to the returns on both sides of a
+/// point.
 ///
-/// Where the paper's corner is a raw return and carries its whole noise, this one is the
-/// intersection of two fitted lines; what makes it a corner is a likelihood ratio, two lines
-/// against one, which needs no tuning to the noise.
+/// The paper's corner is a raw return and carries its whole noise. This one is the intersection of
+/// two fitted lines. It is a corner by a likelihood ratio, two lines against one, which needs no
+/// tuning to the noise.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@ namespace cornerfix {
 struct Corner {
   Point2 position = Point2::Zero();                      ///< [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< Of the position [m^2].
-  /// Heading of the bisector of the two arms, into the smaller angle [rad].
+  /// Heading of the bisector of both arms, into the smaller angle [rad].
   double bisector = 0.0;
   double turn_angle = 0.0;  ///< 0 on a straight wall, pi/2 at a right angle [rad].
   /// True where the obstacle juts out towards the sensor, false in the corner of a room.
@@ -34,7 +35,7 @@ struct LineIntersectionParams {
   double min_gain = 30.0;             ///< After growth; > 0.
   double min_turn_angle_rad = 0.436;  ///< 25 deg; in (0, pi).
   double min_incidence_rad = 0.105;   ///< 6 deg: flatter arms are unreliable; in [0, pi/2).
-  double min_noise_m = 0.0;  ///< Ranges are as noisy as this, whatever they look like; >= 0.
+  double min_noise_m = 0.0;           ///< Ranges are at least as noisy as this; >= 0.
 };
 
 [[nodiscard]] std::optional<Error> validate(const LineIntersectionParams& params);

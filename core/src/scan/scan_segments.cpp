@@ -35,8 +35,8 @@ bool is_full_turn(const LaserScan& scan) {
   return step * (static_cast<double>(scan.ranges.size()) + 0.5) >= 2.0 * std::numbers::pi;
 }
 
-/// Tells whether two points can lie on one surface: no farther apart than neighbours on a wall seen
-/// at the smallest incidence.
+/// Whether two points can lie on one surface: no farther apart than neighbours on a wall seen at
+/// the smallest incidence.
 class Neighborhood {
  public:
   Neighborhood(const LaserScan& scan, const ScanSegmentParams& params)

@@ -1,4 +1,4 @@
-/// \file  Scans that a lidar would take in the free space of a floor map.
+/// \file  Scans that a lidar would take in the free space of an occupancy map.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class SimulatedLidar {
   explicit SimulatedLidar(const OccupancyGrid& floor_map);
 
   /// Where to scan from, in `map`: in each square of a lattice the free place farthest from all
-  /// walls, if that is `clearance_m` or more and a robot has room to move there: 1 m^2 for its
+  /// walls, if that is `clearance_m` or more. A robot must have room to move there: 1 m^2 for its
   /// middle, so that what was seen through windows does not count. O(cells).
   [[nodiscard]] std::vector<Point2> viewpoints(double lattice_m, double clearance_m) const;
 
@@ -31,7 +31,8 @@ class SimulatedLidar {
   /// By 1080 beams all around that see 12 m far, with the axes of `map`.
   [[nodiscard]] LaserScan scan(const Point2& viewpoint_map) const;
 
-  /// Metres from a point to the nearest wall or to the unknown beyond it; 0 outside the floor map.
+  /// Metres from a point to the nearest wall or to the unknown beyond it; 0 outside the occupancy
+  /// map.
   [[nodiscard]] double clearance(const Point2& point_map) const {
     return caster_.clearance(point_map);
   }

@@ -60,8 +60,8 @@ class VectorFilter {
     return std::nullopt;
   }
 
-  /// Whether the points [begin, end) lie within t_in of the ray from p_k along `direction`: the
-  /// distances of eqs. (4) and (5), counted from p_k itself for a point behind it.
+  /// Whether the points [begin, end) lie within t_in of the ray from p_k along `direction`. These
+  /// are the distances of eqs. (4) and (5), counted from p_k itself for a point behind it.
   [[nodiscard]] bool is_straight(std::size_t begin, std::size_t end, std::size_t k,
                                  const Point2& direction) const {
     const Point2 p_k = point(k);

@@ -16,7 +16,7 @@
 
 namespace cornerfix {
 
-/// Defaults for fine scanners (0.25 deg a beam); docs/algorithm.md says where they come from.
+/// Defaults for fine scanners (0.25 deg per beam); see docs/method/02-corners.md.
 struct VfpParams {
   ScanSegmentParams segments{};
   int window = 10;                    ///< W of eq. (1): points on each side; >= 1.
@@ -28,7 +28,7 @@ struct VfpParams {
 };
 
 /// Parameters for a scanner with this angle between beams, between those for 0.25 deg and for 1 deg
-/// (algorithm.md, section 8).
+/// (docs/method/02-corners.md, section 2.2).
 [[nodiscard]] VfpParams vfp_params_for(double angle_increment_rad);
 
 [[nodiscard]] std::optional<Error> validate(const VfpParams& params);

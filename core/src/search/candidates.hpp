@@ -16,7 +16,7 @@
 
 namespace cornerfix {
 
-/// Mean log-likelihood below the best, a beam end, at which a rival cannot matter [nat].
+/// Mean log-likelihood below the best, a hit, at which a rival cannot matter [nat].
 inline constexpr double kRivalMargin = 0.75;
 
 struct Candidate {

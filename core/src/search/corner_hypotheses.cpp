@@ -24,7 +24,7 @@ class Places {
   Places(const LocalizationMap& map, const CornerHypothesisParams& params)
       : map_(map), params_(params) {}
 
-  /// `judges` are evenly mixed, so that some of them speak for all.
+  /// `judges` are evenly mixed, so that some of them represent all.
   void judge(const Pose2& T_map_base_link, std::span<const Point2> judges) {
     if (judges.empty() || !is_free(T_map_base_link.translation())) return;
     const std::size_t first = std::min(kFirstJudges, judges.size());

@@ -1,9 +1,9 @@
-/// \file  Where a robot may be, told by the corners that it sees: each alone, and by threes.
+/// \file  Candidate poses of a robot from the corners that it sees: each alone, and by threes.
 ///
-/// An oriented corner of the map and one of the same kind before the robot give a whole pose, so a
-/// map of n corners holds but a few thousand of them. They cost a fraction of looking at every
-/// place, and most often the true pose is among them; but a place that has none of the corners
-/// seen is not, which is why a fix waits for PlaceSearch.
+/// An oriented corner of the map and one of the same kind before the robot give a whole pose. So a
+/// map of n corners has only a few thousand of them. They cost a fraction of a search of all poses,
+/// and most often the correct pose is among them. A pose without any of the corners seen is not, so
+/// a pose is accepted only after PlaceSearch.
 #pragma once
 
 #include <cstddef>

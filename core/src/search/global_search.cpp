@@ -20,12 +20,12 @@ constexpr double kRareGrowth = 2.5;  // where corners speak
 constexpr double kRareWay = 6.0;
 
 constexpr std::size_t kFewMaps = 4;        // are all looked through whole; of more, corners choose
-constexpr std::size_t kEnoughCorners = 6;  // to tell places apart by
+constexpr std::size_t kEnoughCorners = 6;  // to distinguish poses by
 constexpr std::size_t kMaxPlacesPerMap =
     64;  // judged in one search; poses below the last are unsearched
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
 constexpr double kSeedMargin =
-    0.15;  // as kRivalMargin, when there will be no fix now: what may win later
+    0.15;  // as kRivalMargin, when no pose can be accepted now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
 constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
 constexpr double kMirrorMargin = 0.05;  // by which what was seen must fit better than its image
@@ -160,9 +160,9 @@ double GlobalSearch::best_mean(Maps maps, const View& view) const {
   return best;
 }
 
-/// Looks in all maps for places that come near the best candidate, and which nears the best of
-/// them. Corners come first, so that a map where they find one is searched whole, too: no fix may
-/// rest on a map whose other places were not looked at.
+/// Searches all maps for poses near the best candidate, the likeliest maps first. Corners come
+/// first, so that a map where they find one is searched whole, too. No pose may be accepted in a
+/// map whose other poses were not searched.
 void GlobalSearch::search(Maps maps, const View& view, Looks& looks) {
   const double least_by_corners = best_mean(maps, view) - margin_to_look_at();
   for (const std::size_t map : likeliest_first(maps.size())) {
@@ -187,8 +187,8 @@ void GlobalSearch::search(Maps maps, const View& view, Looks& looks) {
   rival_margin_ = std::min(kRivalMargin, best - looked_down_to);
 }
 
-/// Whether corners are enough to look through a map: not where they are few, nor in a map that has
-/// a candidate near the best, whose twin may be around the corner.
+/// Whether corners are enough to search a map. They are not where they are few, nor in a map that
+/// has a candidate near the best, because a similar pose may be close.
 bool GlobalSearch::asks_corners_of(std::size_t map, Maps maps, const View& view) const {
   const double margin = margin_to_look_at();
   const bool may_have_robot = std::ranges::any_of(candidates_.all(), [&](const Candidate& place) {
@@ -226,7 +226,7 @@ std::vector<std::size_t> GlobalSearch::likeliest_first(std::size_t maps) const {
   return order;
 }
 
-/// What a search says of a candidate.
+/// The weight of a candidate in a search.
 double GlobalSearch::optimistic_mean(Maps maps, const View& view, const Candidate& place) const {
   return maps[place.map]->index().place_search.mean_weight(
       view.evidence.ends, view.way, PlaceSearchParams{}.max_points, place.T_map_base_link);

@@ -1,8 +1,9 @@
 /// \file  Looks through whole maps for the places where the robot may be.
 ///
-/// Proposals are cheap and come whenever there is news: corners, or the paper's descriptors. A
-/// whole map is looked at by branch and bound, which alone can tell that there is no other place:
-/// before a fix, and now and then while there is none, more often where corners are few.
+/// Proposals are cheap and come whenever a scan joins the submap: corners, or the paper's
+/// descriptors. A whole map is searched by branch and bound, which alone can exclude other poses.
+/// This is done before a pose is accepted, and from time to time until then, more often where
+/// corners are few.
 #pragma once
 
 #include <cstddef>
@@ -90,8 +91,7 @@ class GlobalSearch {
   Moment matched_;
   Moment searched_at_;
   bool searched_ = false;
-  double rival_margin_ =
-      kRivalMargin;  ///< Farther below the best, a beam end, none was looked for.
+  double rival_margin_ = kRivalMargin;  ///< Farther below the best, a hit, none was looked for.
 };
 
 }  // namespace cornerfix

@@ -37,8 +37,8 @@ ValueOfClass way_values() {
   return values;
 }
 
-/// The best value near each cell of the map proper: points and poses are rounded to cells, half a
-/// cell either way, and no less than the best within that may be a bound.
+/// The best value near each cell of the map proper. Points and poses are rounded to cells, half a
+/// cell either way, and a bound must be no less than the best within that.
 std::vector<std::uint8_t> pooled(const ClassField& classes, const PlaceFields& fields,
                                  const ValueOfClass& value_of_class) {
   const int fine_per_cell = static_cast<int>(std::lround(fields.cell_m / classes.resolution()));

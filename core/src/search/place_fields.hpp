@@ -1,5 +1,5 @@
-/// \file  A map as the search for places reads it: weights of beam ends and of the robot's way,
-/// small whole numbers by 0.2 m cells, with a border as wide as points may reach.
+/// \file  A map as the search for poses reads it: weights of hits and of the robot's path. They are
+/// small whole numbers in 0.2 m cells, with a border as wide as points may reach.
 #pragma once
 
 #include <cstddef>

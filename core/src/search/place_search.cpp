@@ -18,17 +18,17 @@ namespace {
 constexpr int kRotations = 180;  // headings looked at: 2 deg apart
 constexpr double kHeadingStep = 2.0 * std::numbers::pi / kRotations;
 constexpr std::size_t kMaxWayPoints = 8;
-// Strips are judged by a few of the points, by more, and by all. What some say of all is off by
-// less than a slack, for 19 blocks of 20 whose bound is the threshold, and for all that are far
-// above it.
+// Strips are scored by a few of the points, by more, and by all. The mean over some differs from
+// that over all by less than a slack. This holds for 19 blocks of 20 whose bound is the threshold,
+// and for all that are far above it.
 struct Sample {
   std::size_t points;
   double slack;  // [nat]
 };
 constexpr std::array kSamples{Sample{2 * kGroup, 0.12}, Sample{5 * kGroup, 0.05}};
 constexpr std::size_t kEnoughBlocks = 8192;  // to open at a time
-// Headings are taken in an order of which every beginning is spread over all, so that what the
-// first hold tells how good a block must be to be among enough.
+// Headings are taken in an order whose every beginning is spread over the circle. So the first ones
+// give an estimate of the cut-off for the blocks to open.
 constexpr std::size_t kHeadingStride = 67;
 constexpr std::size_t kHeadStart = 20;  // headings that the first may be taken for
 static_assert(std::gcd(kHeadingStride, std::size_t{kRotations}) == 1);
@@ -41,7 +41,7 @@ Point2 mean(std::span<const Point2> points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// The same points in an order of which every beginning is evenly spread over all (multiples of the
+/// The same points in an order whose every beginning is evenly spread over all (multiples of the
 /// golden ratio fill an interval so).
 std::vector<Point2> spread(std::span<const Point2> points) {
   const auto when = [](std::size_t i) {

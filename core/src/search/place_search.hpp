@@ -1,12 +1,12 @@
 /// \file  All places of a map where a set of points fits, by branch and bound over the whole map
 /// and all headings.
 ///
-/// After Hess et al. 2016 (real-time loop closure in 2D lidar SLAM, section V): a pyramid of maxima
-/// bounds the score of every pose in a block of cells, so that most of the map is never looked at.
-/// Unlike there, the result is *distinct* places, best first and as far down as they are asked for,
-/// since a fix is worth only as much as the gap to the second. And there is one level of blocks, of
-/// which those side by side are judged at once; some of the points come first, and what these say
-/// of all points is off by less than a slack.
+/// After Hess et al. 2016 (real-time loop closure in 2D lidar SLAM, section V). A pyramid of maxima
+/// bounds the score of every pose in a block of cells, so that most of the map is never examined.
+/// Unlike there, the result is *distinct* poses, best first and as far down as requested, because
+/// the decision needs the margin over the second. There is one level of blocks, and neighbouring
+/// ones are scored at once. Some of the points come first; their mean differs from that of all
+/// points by less than a slack.
 #pragma once
 
 #include <cstddef>
@@ -58,12 +58,12 @@ class PlaceSearch {
   /// The same, place by place.
   class Run;
 
-  /// What the search would say of a pose: a bound for places that could matter beside it.
+  /// The weight of a pose in this search: a bound for poses that could matter beside it.
   [[nodiscard]] double mean_weight(std::span<const Point2> ends_base_link,
                                    std::span<const Point2> way_base_link, int max_points,
                                    const Pose2& T_map_base_link) const;
 
-  /// Sum of the optimistic weights of beam ends, each the best within about 0.2 m [nat].
+  /// Sum of the optimistic weights of hits, each the best within about 0.2 m [nat].
   [[nodiscard]] double sum_of_weights(std::span<const Point2> ends_base_link,
                                       const Pose2& T_map_base_link) const;
 

@@ -14,13 +14,13 @@ namespace cornerfix {
 inline constexpr double kDistinctDistance = 1.0;  ///< Places nearer than this [m] and
 inline constexpr double kDistinctAngle = 0.26;    ///< turned by less than this [rad] are one.
 inline constexpr double kMinPlaceWeight =
-    -0.5;  ///< Mean log-likelihood of a beam end below which a place is none [nat].
+    -0.5;  ///< Mean log-likelihood of a hit below which a place is none [nat].
 
 [[nodiscard]] inline bool is_same_place(const Pose2& a, const Pose2& b) {
   return distance(a, b) < kDistinctDistance && angle_between(a, b) < kDistinctAngle;
 }
 
-/// Lays beam ends on the walls about a guess, coarsely, then finely.
+/// Lays hits on the walls about a guess, coarsely, then finely.
 [[nodiscard]] inline Pose2 refined_coarse_to_fine(const DistanceField& field,
                                                   std::span<const Point2> ends, Pose2 T_map_frame) {
   constexpr std::size_t kRefinePoints = 200;

@@ -24,7 +24,7 @@ struct SumStep {
 
 /// sums[i] = the sum of source[shift + i] over the sources of all steps, given up after a step when
 /// no sum whose flag, flags[shift + i], is `wanted` reaches what it must.
-/// \return Whether one does, to the last step; if not, the sums say nothing.
+/// \return Whether one does, to the last step; if not, the sums are undefined.
 bool sum_strip(std::span<const SumStep> steps, const std::uint8_t* flags, std::uint8_t wanted,
                std::size_t shift, StripSums& sums);
 

@@ -1,7 +1,7 @@
-/// \file  Whether a submap of a drive lies where the drive has been before, and how.
+/// \file  Whether a submap of a run lies where the run has been before, and how.
 ///
-/// The submap is looked for among the older ones as a robot is looked for in a map: branch and
-/// bound over all places, refinement, and a decision by the evidence against every other place.
+/// The submap is searched among the older ones as a robot is searched in a map. There is branch and
+/// bound over all poses, refinement, and a decision by the evidence against every other pose.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,7 @@ struct PoseGraph {
 /// The diagonal information of independent standard deviations [m, rad], both > 0.
 [[nodiscard]] Eigen::Matrix3d information_from(double sigma_position_m, double sigma_yaw_rad);
 
-/// Moves the poses, the first of which stays. kInternal when a relation is not finite or no finite
+/// Moves the poses; the first one stays. kInternal when a relation is not finite or no finite
 /// solution was found, and the poses are then what they were. Deterministic. A graph without
 /// relations is left as it is.
 [[nodiscard]] Result<void> optimize(PoseGraph& graph, int max_iterations = 50);

@@ -13,7 +13,7 @@ namespace cornerfix {
 /// Immutable.
 class SubmapMosaic {
  public:
-  /// `T_map_submap` has the pose of each of `submaps`, of which there is at least one. O(cells).
+  /// `T_map_submap` has the pose of each of `submaps`; there is at least one. O(cells).
   SubmapMosaic(std::span<const DriveSubmap> submaps, std::span<const Pose2> T_map_submap);
 
   [[nodiscard]] const DistanceField& field() const { return field_; }

@@ -24,11 +24,11 @@ constexpr double kClosedWay = 0.5;       // a loop closure drifts like as much w
 
 constexpr std::size_t kOverlapping = 3;    // submaps before a submap that are no older place
 constexpr double kNeighborDistance = 4.0;  // ways nearer than this saw the same walls [m]
-constexpr std::size_t kMaxNeighbors = 4;   // submaps that a closure or a key frame is laid on
-constexpr int kRounds = 2;                 // of laying key frames on submaps
+constexpr std::size_t kMaxNeighbors = 4;   // submaps that a closure or a keyframe is laid on
+constexpr int kRounds = 2;                 // of laying keyframes on submaps
 constexpr std::size_t kPointsPerScan = 180;
 
-// Of key frames in the submap that they made.
+// Of keyframes in the submap that they made.
 constexpr double kOwnSigmaM = 0.03;
 constexpr double kOwnSigmaRad = 0.01;
 
@@ -139,7 +139,7 @@ class SubmapPlacer {
   std::optional<std::pair<std::size_t, Pose2>> far_place_;
 };
 
-/// Lays key frames on the submaps around them and finds the poses of both.
+/// Lays keyframes on the submaps around them and finds the poses of both.
 class KeyFramePlacer {
  public:
   KeyFramePlacer(std::span<const PosedScan> drive, std::span<const DriveSubmap> submaps,
@@ -160,7 +160,7 @@ class KeyFramePlacer {
     }
   }
 
-  /// Calls `progress` with the share of key frames done.
+  /// Calls `progress` with the share of keyframes done.
   [[nodiscard]] Result<void> improve(const std::function<void(double)>& progress) {
     graph_.relations = own_;
     for (std::size_t i = 0; i < drive_.size(); ++i) {
@@ -194,7 +194,7 @@ class KeyFramePlacer {
     return thinned(points, kPointsPerScan);
   }
 
-  /// Submaps that the key frame did not make and whose way passes near, nearest first.
+  /// Submaps that the keyframe did not make and whose way passes near, nearest first.
   [[nodiscard]] std::vector<std::size_t> neighbors(std::size_t i, const Pose2& T_map_scan) const {
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t k = 0; k < submaps_.size(); ++k) {
@@ -214,7 +214,7 @@ class KeyFramePlacer {
 
   std::span<const PosedScan> drive_;
   std::span<const DriveSubmap> submaps_;
-  PoseGraph graph_;  ///< The submaps, then the key frames.
+  PoseGraph graph_;  ///< The submaps, then the keyframes.
   std::vector<PoseRelation> own_;
 };
 

@@ -16,7 +16,7 @@
 namespace cornerfix {
 namespace {
 
-// Of the pose at the moment of the fix.
+// Of the pose at its acceptance.
 constexpr double kFixSigmaPosition = 0.05;
 constexpr double kFixSigmaYaw = 0.02;
 // Drift of the submap: standard deviations after a metre, which grow with the square root of the

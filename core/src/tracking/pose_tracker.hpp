@@ -15,7 +15,7 @@
 
 namespace cornerfix {
 
-/// What one scan said of the pose.
+/// How one scan fits the pose.
 enum class TrackingVerdict {
   kFits,       ///< It lies on the walls.
   kMisfits,    ///< It does not.
