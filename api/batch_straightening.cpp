@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include <cornerfix/motion_compensation.hpp>
+#include <cornerfix/laser_scan.hpp>
 
 namespace cornerfix::api {
 namespace {

@@ -1,4 +1,4 @@
-/// \file  Builds a request's document from parse events, whatever the format.
+/// \file  Builds a request's document from parse events of any format.
 ///
 /// Speaks nlohmann's SAX interface. The numbers of /scans/*/ranges never become JSON values: they
 /// go straight into float arrays, because they are nearly all of a request. Nesting, number of

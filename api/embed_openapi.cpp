@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// YAML's core schema for a plain scalar; a quoted one is a string whatever it looks like.
+/// YAML's core schema for a plain scalar; a quoted one is always a string.
 Json scalar_to_json(const YAML::Node& node) {
   const std::string& text = node.Scalar();
   const bool is_plain = node.Tag() == "?";

@@ -35,7 +35,7 @@ Json hypothesis_json(const RankedHypothesis& hypothesis) {
   return json;
 }
 
-/// Millimetres of metres, microseconds of milliseconds: more digits would say nothing.
+/// Millimetres of metres, microseconds of milliseconds: more digits have no meaning.
 Json to_thousandths(double value) { return number(std::round(value * 1e3) / 1e3); }
 
 Json times_json(const StepTimes& times) {

@@ -42,7 +42,7 @@ struct MapEntry {
   std::string_view description;
   std::uint64_t revision = 0;
   std::string_view digest;
-  bool has_floor_map = false;  ///< Made from a floor map, not from scans.
+  bool has_floor_map = false;  ///< Made from an occupancy map, not from scans.
   std::size_t key_frames = 0;
   std::size_t features = 0;
   std::optional<Bounds> bounds;
@@ -57,7 +57,7 @@ struct MapEntry {
 [[nodiscard]] Json render_map_list(std::span<const MapEntry> maps,
                                    std::optional<std::string_view> next_page_token);
 
-/// What a floor map became.
+/// What an occupancy map became.
 struct FloorMapResult {
   std::uint64_t revision = 0;
   std::string_view digest;

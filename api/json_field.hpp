@@ -18,7 +18,7 @@ namespace cornerfix::api {
 /// Any place on earth in any projection [m]; beyond, centimetres get lost in a double's digits.
 inline constexpr double kMaxCoordinate = 1e8;
 
-/// A view of a JSON value. The as_…() functions give the value, or nothing after telling `errors`
+/// A view of a JSON value. The as_…() functions give the value, or nothing after adding to `errors`
 /// what was expected. The value and the errors must outlive it.
 class JsonField {
  public:
@@ -32,7 +32,7 @@ class JsonField {
   /// `path` is a JSON pointer from here, without its first slash.
   void fail_path(const std::string& path, std::string detail) const;
 
-  /// Tells when this is no object.
+  /// Adds an error when this is no object.
   [[nodiscard]] bool expect_object() const;
   /// Fails each member of an object that is not among these, so that nothing is ignored in silence.
   void expect_members(std::span<const std::string_view> known) const;
@@ -41,7 +41,7 @@ class JsonField {
   }
   /// Of an object; nothing when it is absent or null.
   [[nodiscard]] std::optional<JsonField> find(std::string_view name) const;
-  /// As find(), but tells when it is absent.
+  /// As find(), but adds an error when it is absent.
   [[nodiscard]] std::optional<JsonField> require(std::string_view name,
                                                  std::string_view meaning) const;
   /// Of an array.

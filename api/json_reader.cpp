@@ -11,7 +11,8 @@ namespace {
 
 namespace ondemand = simdjson::ondemand;
 
-/// Tells JSON that cannot be parsed (throws simdjson_error) from a builder that stopped (false).
+/// Distinguishes JSON that cannot be parsed (throws simdjson_error) from a builder that stopped
+/// (false).
 bool walk(ondemand::value value, DocumentBuilder& builder);
 
 /// simdjson refuses what does not fit its types, as 1e999; JSON has no such limit.

@@ -7,9 +7,9 @@
 
 namespace cornerfix::api {
 
-/// Feeds `text` to `builder`. False: it is not JSON, or the builder stopped; builder.problem()
-/// tells. Every value is checked, those that the builder ignores too. simdjson on demand, behind
-/// this door only.
+/// Feeds `text` to `builder`. False: it is not JSON, or the builder stopped; see builder.problem().
+/// Every value is checked, those that the builder ignores too. simdjson on demand is used here
+/// only.
 [[nodiscard]] bool read_json(std::string_view text, DocumentBuilder& builder);
 
 }  // namespace cornerfix::api

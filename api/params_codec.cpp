@@ -100,7 +100,7 @@ class Reader {
     const double number =
         field.json().is_number() ? field.json().get<double>() : std::numeric_limits<double>::max();
     if (number == std::trunc(number) && std::abs(number) <= kMost) {
-      member = static_cast<int>(number);  // Its own range is told by validate().
+      member = static_cast<int>(number);  // validate() checks its range.
     } else {
       field.fail("must be a whole number of at most 2147483647");
     }

@@ -11,7 +11,7 @@
 namespace cornerfix::api {
 
 /// Sets what `object` has and leaves the rest. A name that does not exist and a value outside its
-/// limits are told, with the names that exist.
+/// limits are errors, with the names that exist.
 void read_params(const JsonField& object, LocalizerParams& params);
 void read_params(const JsonField& object, MapperParams& params);
 

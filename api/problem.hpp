@@ -38,7 +38,7 @@ struct Problem {
 /// bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string render(const Problem& problem);
 
-/// Gathers what is wrong with a request; the first `kMaxListed` are told.
+/// Gathers what is wrong with a request; the first `kMaxListed` are listed.
 class FieldErrors {
  public:
   static constexpr std::size_t kMaxListed = 20;

@@ -34,12 +34,12 @@ std::string part_of_map(const LocalizabilityReport& report, const Point2& point)
   return std::string("in the ") + kNames[third(1)][third(0)];
 }
 
-std::string cause(const HardArea& area) {
+std::string cause(const LowLocalizabilityRegion& area) {
   if (area.look_alike_map) return "it looks like the place around " + at(*area.look_alike_map);
   return "too little is seen there to tell it from other places";
 }
 
-std::string remedy(const HardArea& area) {
+std::string remedy(const LowLocalizabilityRegion& area) {
   std::string change = area.look_alike_map
                            ? "put something that stays and stands out at one of the two"
                            : "let them drive on, or give them a lidar that sees farther or wider";
@@ -49,7 +49,7 @@ std::string remedy(const HardArea& area) {
          change;
 }
 
-std::string advice_for(const LocalizabilityReport& report, const HardArea& area) {
+std::string advice_for(const LocalizabilityReport& report, const LowLocalizabilityRegion& area) {
   std::string text = "Robots switched on " + part_of_map(report, area.center_map) + ", around " +
                      at(area.center_map);
   if (area.radius_m > 0.0) text += format(" and up to %.1f m from there", area.radius_m);
@@ -99,7 +99,7 @@ std::string summarize(const LocalizabilityReport& report) {
 }
 
 std::vector<std::string> advise(const LocalizabilityReport& report,
-                                std::span<const HardArea> areas) {
+                                std::span<const LowLocalizabilityRegion> areas) {
   std::vector<std::string> advice;
   if (report.places.empty()) {
     advice.emplace_back("Map the building, or give the map a floor map with free cells.");
@@ -111,7 +111,7 @@ std::vector<std::string> advise(const LocalizabilityReport& report,
                "first fix near places that look alike.",
                wrong));
   }
-  for (const HardArea& area : areas.first(std::min(areas.size(), kMaxAreasTold)))
+  for (const LowLocalizabilityRegion& area : areas.first(std::min(areas.size(), kMaxAreasTold)))
     advice.push_back(advice_for(report, area));
   if (areas.empty()) {
     advice.emplace_back("Robots may be switched on anywhere: from no place they need 3 m or more.");

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include <cornerfix/hard_areas.hpp>
+#include <cornerfix/localizability.hpp>
 
 namespace cornerfix::api {
 
-/// What shares of the simulated starts were told their pose.
+/// Shares of the simulated starts that were localized.
 struct ReportShares {
   std::size_t starts = 0;
   double found_at_once = 0.0;
   double found = 0.0;     ///< Within the way allowed.
-  std::size_t wrong = 0;  ///< Starts that were told another pose first.
+  std::size_t wrong = 0;  ///< Starts whose first pose was wrong.
 };
 [[nodiscard]] ReportShares shares_of(const LocalizabilityReport& report);
 
@@ -22,7 +22,7 @@ struct ReportShares {
 [[nodiscard]] std::string summarize(const LocalizabilityReport& report);
 /// What to do, most important first; never empty.
 [[nodiscard]] std::vector<std::string> advise(const LocalizabilityReport& report,
-                                              std::span<const HardArea> areas);
+                                              std::span<const LowLocalizabilityRegion> areas);
 
 [[nodiscard]] double features_per_100_m2(const LocalizabilityReport& report);
 

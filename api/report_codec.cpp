@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include <cornerfix/hard_areas.hpp>
+#include <cornerfix/localizability.hpp>
 
 #include "api/report_advice.hpp"
 
@@ -29,7 +29,7 @@ Json pose_json(const Pose2& pose) {
   return {{"x", rounded(pose.x)}, {"y", rounded(pose.y)}, {"yaw", rounded(pose.yaw)}};
 }
 
-Json robot_json(const VirtualRobot& robot) {
+Json robot_json(const SimulatedRobot& robot) {
   return {{"angle_min", robot.lidar.angle_min},
           {"angle_increment", robot.lidar.angle_increment},
           {"range_min", robot.lidar.range_min},
@@ -58,7 +58,7 @@ Json place_json(const AssessedPlace& place, double way_limit_m) {
   return json;
 }
 
-Json area_json(const HardArea& area) {
+Json area_json(const LowLocalizabilityRegion& area) {
   Json json = point_json(area.center_map);
   json["radius_m"] = rounded(area.radius_m);
   json["places"] = area.places.size();
@@ -69,14 +69,14 @@ Json area_json(const HardArea& area) {
   return json;
 }
 
-Json look_alike_json(const LookAlike& pair) {
+Json look_alike_json(const AliasedPoses& pair) {
   return {{"a", pose_json(pair.T_map_a)},
           {"b", pose_json(pair.T_map_b)},
           {"way_m", rounded(pair.way_m)},
           {"starts", pair.starts}};
 }
 
-/// Of all starts; those that were not told their pose count with the whole limit.
+/// Of all starts; those that were not localized count with the whole limit.
 double way_percentile(const LocalizabilityReport& report, double share) {
   std::vector<double> ways;
   for (const AssessedPlace& place : report.places) {
@@ -103,7 +103,7 @@ Json render_report_progress(const ReportOrigin& origin, double share) {
 }
 
 Json render_report(const ReportOrigin& origin, const LocalizabilityReport& report) {
-  const std::vector<HardArea> areas = find_hard_areas(report);
+  const std::vector<LowLocalizabilityRegion> areas = find_low_localizability_regions(report);
   const ReportShares shares = shares_of(report);
   Json json = head_of(origin, "done", 1.0);
   json["summary"] = summarize(report);
@@ -120,8 +120,8 @@ Json render_report(const ReportOrigin& origin, const LocalizabilityReport& repor
   json["way_m"] = {{"p50", rounded(way_percentile(report, 0.5))},
                    {"p90", rounded(way_percentile(report, 0.9))}};
   for (const char* list : {"areas", "look_alikes", "places"}) json[list] = Json::array();
-  for (const HardArea& area : areas) json["areas"].push_back(area_json(area));
-  for (const LookAlike& pair : report.look_alikes)
+  for (const LowLocalizabilityRegion& area : areas) json["areas"].push_back(area_json(area));
+  for (const AliasedPoses& pair : report.look_alikes)
     json["look_alikes"].push_back(look_alike_json(pair));
   for (const AssessedPlace& place : report.places)
     json["places"].push_back(place_json(place, report.way_limit_m));

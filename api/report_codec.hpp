@@ -12,7 +12,7 @@
 
 namespace cornerfix::api {
 
-/// Of which map a report is.
+/// The map that a report is of.
 struct ReportOrigin {
   std::string_view map;
   std::uint64_t revision = 0;

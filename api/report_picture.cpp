@@ -80,7 +80,7 @@ std::string grid_image(const Canvas& canvas, const OccupancyGrid& grid) {
          base64(encode_grid_png(grid)) + "\"/>\n";
 }
 
-std::string look_alike_line(const Canvas& canvas, const LookAlike& pair) {
+std::string look_alike_line(const Canvas& canvas, const AliasedPoses& pair) {
   const Point2 a = pair.T_map_a.translation();
   const Point2 b = pair.T_map_b.translation();
   return format(

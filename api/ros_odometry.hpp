@@ -12,7 +12,7 @@ namespace cornerfix::api {
 
 [[nodiscard]] bool is_ros_odometry(const nlohmann::json& json);
 
-/// pose.pose as seen from above, or nothing after telling the field's errors what was expected.
+/// pose.pose as seen from above, or nothing after adding to the field's errors what was expected.
 /// Header, twist and covariances are not used.
 [[nodiscard]] std::optional<Pose2> read_ros_odometry(const JsonField& odometry);
 

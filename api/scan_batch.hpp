@@ -10,7 +10,7 @@
 
 namespace cornerfix::api {
 
-/// A scan with whatever poses came with it.
+/// A scan with the poses that came with it.
 struct BatchScan {
   LaserScan scan;
   std::optional<Pose2> T_odom_base_link;
@@ -30,7 +30,7 @@ struct ScanBatch {
 enum class StampOrder { kAny, kIncreasing };
 enum class MapPose { kRefused, kTaken };
 
-/// Nothing when it is wrong, which the field's errors tell.
+/// Nothing when it is wrong; the field's errors then have the reason.
 [[nodiscard]] std::optional<Lidar> read_lidar(const JsonField& field);
 
 /// Takes the ranges out of `document`. `lidar` is used where the body has none. What is wrong is in

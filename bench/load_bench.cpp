@@ -1,11 +1,11 @@
 /// \file  A fleet on one server: `cornerfix_load_bench`, or `--url` for a server that runs already.
 ///
-/// Starts `cornerfix serve` on a fresh database, maps Willow Garage by a simulated drive, and
-/// switches robots on one after the other: each on a connection of its own that is kept, each
-/// posting a scan of 1080 beams five times a second on a fixed schedule, whether or not the answers
-/// come in time. A robot misses when an answer is an error or comes after its next scan is due.
-/// Latency counts from when a scan was due. Exit code 1 when a robot has missed once all are on and
-/// the last of them has had two seconds to search the map.
+/// Starts `cornerfix serve` on a fresh database, maps Willow Garage by a simulated run, and starts
+/// robots one after the other. Each keeps a connection of its own. Each posts a scan of 1080 beams
+/// five times per second on a fixed schedule, whether or not the answers come in time. A robot
+/// misses when an answer is an error or comes after its next scan is due. Latency counts from when
+/// a scan was due. Exit code 1 when a robot has missed once all are on and the last of them has had
+/// two seconds to search the map.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -148,7 +148,7 @@ void make_map(HttpClient& client) {
   value_of(client.send({"GET", std::string(kMap) + "/features"}));  // Makes it ready.
 }
 
-/// A drive of which each robot goes a part of its own.
+/// A run; each robot drives a part of its own.
 struct FleetDrive {
   nlohmann::ordered_json lidar;
   std::vector<std::string> scans;  ///< As a session takes them.

@@ -75,7 +75,7 @@ std::vector<PosedScan> mapping_scans() {
   return scans;
 }
 
-/// A database with the map, all that is derived from its key frames included.
+/// A database with the map, all that is derived from its keyframes included.
 class StoredMap {
  public:
   StoredMap() {

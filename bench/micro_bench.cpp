@@ -1,19 +1,18 @@
 /// \file  Time of each step of the paper's method, one thread:
 /// `cornerfix_micro_bench --benchmark_filter=Vfp`.
 ///
-/// Scans are taken in a room after the paper's figure 7. Matching is timed as in its section 4.3: N
-/// random map features against N - 1 submap features, half of them shared, in 50 m by 50 m with no
-/// pair left out.
+/// Scans are taken in a room after the paper's figure 7. Matching is timed as in its section 4.3.
+/// There are N random map features against N - 1 submap features, half of them shared, in 50 m by
+/// 50 m with no pair left out.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 
-#include <cornerfix/descriptor_matcher.hpp>
-#include <cornerfix/pose_estimator.hpp>
-#include <cornerfix/submap.hpp>
-#include <cornerfix/two_arm_corners.hpp>
-#include <cornerfix/vfp_corners.hpp>
-
+#include "core/src/local_map/submap.hpp"
+#include "core/src/matching/descriptor_matcher.hpp"
+#include "core/src/matching/pose_estimator.hpp"
+#include "core/src/scan/line_intersection_corners.hpp"
+#include "core/src/scan/vfp_corners.hpp"
 #include "support/random_features.hpp"
 #include "support/room_drive.hpp"
 #include "support/scan_simulator.hpp"
@@ -52,15 +51,15 @@ BENCHMARK(vfp)
 
 void two_arm(benchmark::State& state) {
   const LaserScan scan = scan_for(state);
-  for (auto _ : state) benchmark::DoNotOptimize(extract_two_arm_corners(scan, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(extract_line_intersection_corners(scan, {}));
 }
 BENCHMARK(two_arm)
     ->Name("TwoArmCorners")
     ->ArgNames({"beams", "mm"})
     ->ArgsProduct({{360, 1440}, {0, 30, 70}});
 
-/// A scan of 1080 beams laid on the submap of the way that led to it, from an odometry that is off
-/// by some centimetres; the argument is how many of its returns are laid.
+/// A scan of 1080 beams matched to the submap of the path that led to it, from odometry that is off
+/// by some centimetres. The argument is the number of returns that are matched.
 void scan_to_submap(benchmark::State& state) {
   constexpr double kStep = 0.15;  // 0.24 m along the circle
   const auto way = testing::circle_in_room(1.6, 0.0, kStep, 41);

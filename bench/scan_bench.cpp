@@ -1,10 +1,10 @@
 /// \file  Time of a whole scan, from its ranges to the answer, one thread:
 /// `cornerfix_pipeline_bench --benchmark_filter=Scan`.
 ///
-/// Willow Garage is mapped by a simulated drive; robots with 1080 beams, odometry and people about
-/// them are then switched on all along another one. The counters tell processor time a scan while
-/// searching and while tracking [ms], and how many robots were found where they are; the time
-/// column is that of all scans together.
+/// Willow Garage is mapped by a simulated run. Robots with 1080 beams, odometry and people about
+/// them are then started all along another one. The counters give processor time per scan while
+/// searching and while tracking [ms], and how many robots were localized correctly. The time column
+/// is that of all scans together.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -2,11 +2,10 @@
 /// `cornerfix_micro_bench --benchmark_filter=Triangle`.
 ///
 /// Each time is the mean over 200 submaps of 50 features, displaced by 0.05 m, in maps with 0.0177
-/// features a square metre; `found` is the share of them that was matched at the true pose.
+/// features per square metre. `found` is the share of them that was matched at the true pose.
 #include <benchmark/benchmark.h>
 
-#include <cornerfix/triangle_index.hpp>
-
+#include "core/src/matching/triangle_index.hpp"
 #include "support/feature_fields.hpp"
 
 namespace cornerfix {

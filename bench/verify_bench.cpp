@@ -1,5 +1,5 @@
-/// \file  Times of the steps from a scan to the places of a map, in Willow Garage's floor map with
-/// 1080 beams: the search through the whole map, laying beam ends on its walls, and judging a pose.
+/// \file  Times of the steps from a scan to candidate poses, in Willow Garage's occupancy map with
+/// 1080 beams. The steps are the search through the whole map, refinement, and scoring of a pose.
 /// One thread, the places in turn. `cornerfix_micro_bench --benchmark_filter=Verify`.
 #include <benchmark/benchmark.h>
 
@@ -10,13 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/distance_field.hpp>
-#include <cornerfix/evidence_grid.hpp>
-#include <cornerfix/evidence_model.hpp>
 #include <cornerfix/map_image.hpp>
-#include <cornerfix/place_search.hpp>
 #include <cornerfix/ray_caster.hpp>
-#include <cornerfix/scan_refiner.hpp>
+
+#include "core/src/map/distance_field.hpp"
+#include "core/src/map/evidence_model.hpp"
+#include "core/src/matching/scan_refiner.hpp"
+#include "core/src/scan/evidence_grid.hpp"
+#include "core/src/search/place_search.hpp"
 
 namespace cornerfix {
 namespace {

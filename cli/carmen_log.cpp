@@ -67,8 +67,8 @@ class Words {
   std::string_view rest_;
 };
 
-/// A laser that a message name stands for. What PARAM messages say of its place on the robot
-/// begins with `param_prefix`.
+/// A laser that a message name stands for. The PARAM messages with its place on the robot begin
+/// with `param_prefix`.
 struct Laser {
   std::string_view message;
   std::string_view param_prefix;
@@ -113,8 +113,8 @@ bool is_same(const Pose2& a, const Pose2& b) {
   return distance(a, b) <= kSamePosition && angle_between(a, b) <= kSameHeading;
 }
 
-/// Old messages do not tell their angles: half a turn unless a PARAM tells, with both ends when the
-/// number of beams is odd.
+/// Old messages have no angles: half a turn unless a PARAM has them, with both ends when the number
+/// of beams is odd.
 LaserScan untold_lidar(std::size_t beams, const Params& params) {
   LaserScan lidar;
   lidar.angle_min = -params.field_of_view_rad / 2.0;
@@ -162,7 +162,7 @@ class CarmenParser final : public ScanParser {
     return wanted_.empty() || wanted_ == message;
   }
 
-  /// name value; those that say nothing of the lasers are passed over.
+  /// name value; those without a laser's settings are passed over.
   void take_param(Words& words) {
     const std::string_view name = words.next();
     const auto value = words.next_number<double>();
@@ -223,7 +223,7 @@ class CarmenParser final : public ScanParser {
     if (!stamp) return malformed(laser.message, "expected a timestamp");
     out.scan.stamp = *stamp;
     out.T_odom_laser = *T_odom_robot * T_robot_laser(laser);
-    // Without a PARAM that tells the laser's place some logs give both poses of the laser.
+    // Without a PARAM that has the laser's place some logs give both poses of the laser.
     if (!is_same(*T_map_laser, *out.T_odom_laser) && !is_same(*T_map_laser, *T_odom_robot)) {
       out.T_map_laser = T_map_laser;
     }

@@ -31,7 +31,7 @@ CLI::Option* add_log(CLI::App& command, std::string& log);
 /// --lidar, --odom, --height and --scan-time.
 void add_selection(CLI::App& command, LogSelection& selection);
 
-/// A finite number above 0, or not below 0. CLI11's own tell the largest double in full.
+/// A finite number above 0, or not below 0. CLI11's own print the largest double in full.
 [[nodiscard]] CLI::Validator above_zero();
 [[nodiscard]] CLI::Validator not_below_zero();
 

@@ -14,7 +14,7 @@ namespace cornerfix::cli {
 /// In a path, stands for the id that a printed line has put into the shell's variable SESSION.
 constexpr std::string_view kSessionVariable = "$SESSION";
 
-/// A word that a POSIX shell takes literally, whatever it holds.
+/// A word that a POSIX shell takes literally, with any content.
 [[nodiscard]] std::string shell_quote(std::string_view text);
 
 /// Turns calls into curl lines. A body above kMaxInlineBytes goes to a file that its line names.

@@ -175,7 +175,7 @@ class GoalPicker {
 
   int any() { return pick(nodes_); }
 
-  /// The nearest of a few nodes that were not visited yet and are worth a drive.
+  /// The nearest of a few nodes that were not visited yet and are worth a run.
   int next(const Point2& from) {
     const auto is_worth_it = [&](int node) {
       return (lattice_.point(node) - from).norm() >= kMinLegLength;

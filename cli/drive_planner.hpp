@@ -1,4 +1,4 @@
-/// \file  A smooth way for a robot through the free space of floor maps.
+/// \file  A smooth way for a robot through the free space of occupancy maps.
 #pragma once
 
 #include <cstdint>

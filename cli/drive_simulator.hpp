@@ -1,4 +1,4 @@
-/// \file  A lidar drive through a floor map: what a robot would have recorded there.
+/// \file  A lidar drive through an occupancy map: what a robot would have recorded there.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace cornerfix::cli {
 
-/// The lidar, the drive, and what goes wrong. Defaults: a common safety scanner.
+/// The lidar, the run, and what goes wrong. Defaults: a common safety scanner.
 struct DriveOptions {
   double field_of_view_rad = 1.5 * std::numbers::pi;  ///< About straight ahead; in (0, 2 pi].
   std::size_t beams = 1081;                           ///< >= 2.
@@ -37,7 +37,7 @@ struct DriveOptions {
 ///
 /// \param inside       Where the robot really is, in the same frame as `map`, when the building
 ///                     has changed: rays are cast there, on a way that is free in both.
-/// \param on_progress  Told the share that is done, in [0, 1]; may be empty.
+/// \param on_progress  Called with the share that is done, in [0, 1]; may be empty.
 [[nodiscard]] Result<RecordedLog> simulate_drive(
     const OccupancyGrid& map, const DriveOptions& options, const OccupancyGrid* inside = nullptr,
     const std::function<void(double)>& on_progress = {});

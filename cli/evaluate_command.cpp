@@ -32,7 +32,7 @@ struct EvaluateArguments {
   std::string map_log;
   std::string other_map_log;
   std::string map_grid;
-  std::vector<std::string> update_logs;   ///< Of later drives in map_log's building.
+  std::vector<std::string> update_logs;   ///< Of later runs in map_log's building.
   std::vector<std::string> further_maps;  ///< Searched beside the right map.
   std::string split = "0.5";
   std::size_t stride = 1;
@@ -62,8 +62,8 @@ ShareDone show_on(Progress& progress) {
   };
 }
 
-/// The first scans of a log, of which SLAM's key frames have SLAM's poses, moved as a whole to lie
-/// as near as possible to the reference poses.
+/// The first scans of a log. SLAM's keyframes have SLAM's poses, moved as a whole to lie as near as
+/// possible to the reference poses.
 Result<RecordedLog> with_slam_poses(const RecordedLog& log, std::size_t end,
                                     const EvaluationOptions& options) {
   RecordedLog posed{log.header,
@@ -90,8 +90,8 @@ Evaluation map_at_poses(const RecordedLog& log, std::span<const std::size_t> map
   return map_from(log, mapping, params, show_on(progress));
 }
 
-/// The map of the scans with these indices, of which there are some; with SLAM, of all scans up to
-/// the last of them.
+/// The map of the scans with these indices, one at least; with SLAM, of all scans up to the last of
+/// them.
 Result<Evaluation> map_of(const RecordedLog& log, std::span<const std::size_t> mapping,
                           const EvaluateArguments& arguments) {
   const MapperParams& params = arguments.options.mapper;
@@ -108,7 +108,7 @@ void mark_key_scans(RecordedLog& log) {
   for (LogScan& scan : log.scans) scan.is_key_scan = !are_marked || scan.is_key_scan;
 }
 
-/// A log and those of later drives, as one.
+/// A log and those of later runs, as one.
 Result<RecordedLog> read_drives(const EvaluateArguments& arguments) {
   Result<RecordedLog> log =
       read_whole_log(arguments.mapping_log(), arguments.selection, arguments.stride);
@@ -144,7 +144,7 @@ Result<Evaluation> further_map(const std::string& path, const EvaluateArguments&
   return map_of_all(*log, path, arguments);
 }
 
-/// The map of the log that is told, updated by those of later drives.
+/// The map of the given log, updated by those of later runs.
 Result<Evaluation> map_of_drives(const EvaluateArguments& arguments) {
   const Result<RecordedLog> log = read_drives(arguments);
   if (!log) return log.error();

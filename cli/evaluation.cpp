@@ -8,8 +8,8 @@
 #include <memory>
 #include <numeric>
 
-#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/map_image.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "cli/log_split.hpp"
 #include "cli/processor_time.hpp"
@@ -196,7 +196,7 @@ std::vector<std::size_t> countable_starts(const RecordedLog& log,
     driven_m[k] = driven_m[k - 1] + distance(*scan_at(k).T_map_laser, *scan_at(k - 1).T_map_laser);
   }
   std::vector<std::size_t> starts;
-  std::size_t last = asking.size();  // of the drive that k belongs to
+  std::size_t last = asking.size();  // of the run that k belongs to
   for (std::size_t k = asking.size(); k-- > 0;) {
     if (k + 1 == asking.size() || !continues_at(asking, k + 1)) last = k;
     if (driven_m[last] - driven_m[k] >= way_m ||

@@ -1,4 +1,4 @@
-/// \file  Scores the localizer on a recorded drive: one part makes the map, from many places of the
+/// \file  Scores the localizer on a recorded run: one part makes the map, from many places of the
 /// rest a robot is switched on. In process and on all cores; the rules and the names of the figures
 /// are those of the HTTP replay.
 #pragma once
@@ -28,7 +28,7 @@ using ScoredRobot = std::function<Answer(const RobotScan&)>;
 struct EvaluationOptions {
   std::size_t starts = 100;
   double near_m = 1.5;    ///< A start this near to a mapping pose lies in the mapped part.
-  double way_m = 20.0;    ///< Driving allowed until the fix.
+  double way_m = 20.0;    ///< Driving allowed until localized.
   double time_s = 180.0;  ///< Log time allowed (the paper's limit).
   double track_m = 5.0;   ///< Path length followed after the first `localized` answer.
   std::size_t batch = 5;  ///< Scans a question.
@@ -40,8 +40,8 @@ struct EvaluationOptions {
   bool sample = false;  ///< Never accept; record what each search of the whole map knew.
   MapperParams mapper;
   LocalizerParams localizer;
-  /// Who is switched on: a Localizer when empty. Told the first scan with its reference pose, for
-  /// methods that need to know about where they start; called from any thread.
+  /// The method that is started: a Localizer when empty. It gets the first scan with its reference
+  /// pose, for methods that need an initial pose; called from any thread.
   std::function<ScoredRobot(const LogScan&)> make_robot;
 };
 
@@ -64,14 +64,14 @@ struct StartRecord {
   bool counts = true;     ///< Enough log lay ahead when the robot was switched on.
   double near_m = 0.0;    ///< From the nearest mapping pose.
   Verdict verdict = Verdict::kNone;
-  Reason reason = Reason::kNone;  ///< Of the last answer: why there was no fix, if there was none.
+  Reason reason = Reason::kNone;  ///< Of the last answer: why it was not localized, if so.
   double driven_m = 0.0;
-  std::optional<double> way_m;    ///< Until the fix.
-  std::optional<double> seconds;  ///< Until the fix.
-  double confidence = 0.0;        ///< At the fix.
-  double error_m = 0.0;           ///< At the fix.
+  std::optional<double> way_m;    ///< Until localized.
+  std::optional<double> seconds;  ///< Until localized.
+  double confidence = 0.0;        ///< When localized.
+  double error_m = 0.0;           ///< When localized.
   double error_rad = 0.0;
-  Pose2 pose;  ///< Of the laser, at the fix, as answered and as it was.
+  Pose2 pose;  ///< Of the laser, when localized, as answered and as it was.
   Pose2 truth;
   std::size_t scans = 0;
   std::size_t right_after = 0;  ///< Judged answers after the first one.
@@ -83,7 +83,7 @@ struct StartRecord {
   evaluation::Withdrawal withdrawal = evaluation::Withdrawal::kUndecided;  ///< If any was wrong.
   std::vector<double>
       nees;  ///< Of the judged answers after the first: 3 on average if covariance is right.
-  std::vector<double> searching_ms;   ///< Processor time a scan, until the fix.
+  std::vector<double> searching_ms;   ///< Processor time per scan, until localized.
   std::vector<double> tracking_ms;    ///< A scan, after it.
   std::vector<double> round_trip_ms;  ///< A scan, by the clock on the wall: what a caller waits.
   std::vector<DecisionSample> samples;
@@ -96,7 +96,7 @@ struct Evaluation {
   std::vector<Point2> mapping_positions;  ///< Of the laser.
   std::vector<PosedScan> key_frames;      ///< What the map was made of.
   double map_seconds = 0.0;               ///< Processor time.
-  std::string split;                      ///< How the log was divided, as it was told.
+  std::string split;                      ///< How the log was divided, as given.
   double wall_s = 0.0;                    ///< Of all starts.
   std::vector<StartRecord> records;
 };
@@ -108,8 +108,8 @@ struct Evaluation {
 [[nodiscard]] Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
                                   const MapperParams& params, const ShareDone& progress = {});
 
-/// The map of a ROS floor map alone; where `log` drives through its free space counts as mapped.
-/// Says on stderr what map_from_grid() warns of.
+/// The map of a ROS occupancy map alone; where `log` drives through its free space counts as
+/// mapped. Says on stderr what map_from_grid() warns of.
 [[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
                                                     const RecordedLog& log,
                                                     const MapperParams& params);
@@ -127,8 +127,8 @@ struct Evaluation {
 inline constexpr std::size_t kNoMap =
     static_cast<std::size_t>(-1);  ///< The log lies in none of the maps.
 
-/// Asks `log` from `begin` on in `maps`; a fix in another map than `maps[right_map]` is false,
-/// whatever its pose. Starts are spread evenly over the scans that have enough log ahead. If no
+/// Asks `log` from `begin` on in `maps`; any pose in another map than `maps[right_map]` is false.
+/// Starts are spread evenly over the scans that have enough log ahead. If no
 /// scan has, they are spread over all scans and none of the records counts. \param
 /// mapping_positions  Where the right map was made from.
 [[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
@@ -137,7 +137,7 @@ inline constexpr std::size_t kNoMap =
                                                 const std::vector<Point2>& mapping_positions,
                                                 const EvaluationOptions& options,
                                                 const ShareDone& progress);
-/// The same of the posed scans with these indices, ascending; a gap between them ends a drive.
+/// The same of the posed scans with these indices, ascending; a gap between them ends a run.
 [[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log,
                                                 std::span<const std::size_t> asking,
                                                 const std::vector<LocalizationMapPtr>& maps,

@@ -116,7 +116,7 @@ struct AllAnswers {
   std::size_t judged = 0;
   std::size_t wrong = 0;
   std::size_t starts_with_wrong = 0;
-  std::size_t wrong_later = 0;  ///< Starts of which the first answer was right, a later one not.
+  std::size_t wrong_later = 0;  ///< Starts whose first answer was right, a later one not.
   std::size_t withdrawn_in_time = 0;
   std::size_t withdrawn_late = 0;
   std::size_t undecided = 0;

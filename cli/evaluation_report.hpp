@@ -16,7 +16,7 @@ namespace cornerfix::cli {
                                                   const Evaluation& evaluation,
                                                   const EvaluationOptions& options);
 
-/// A start's record by the replay tool's names. Poses and ranges only where there was a fix.
+/// A start's record by the replay tool's names. Poses and ranges only if localized.
 [[nodiscard]] nlohmann::ordered_json record_json(const StartRecord& record);
 
 /// A row a start.

@@ -1,14 +1,11 @@
 #include "cli/explain.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
 #include <utility>
-
-#include <cornerfix/evidence_model.hpp>
 
 #include "cli/degrees.hpp"
 #include "evaluation/metrics/pose_error.hpp"
@@ -73,34 +70,11 @@ std::vector<std::size_t> drive_from(std::span<const std::size_t> asking, std::si
   return {begin, end == asking.end() ? end : end + 1};
 }
 
-std::string end_class_name(std::size_t end_class) {
-  static constexpr std::array<const char*, kNearLimits.size()> kNear{"0.05", "0.10", "0.15",
-                                                                     "0.20"};
-  static constexpr std::array<const char*, kFarLimits.size()> kFar{"0.30", "0.50", "1.00", "far"};
-  if (end_class == kHiddenNear) return "hidden_near_wall";
-  if (end_class == kHiddenFar) return "hidden";
-  if (end_class < kNear.size()) return std::string("wall_") + kNear[end_class];
-  const std::size_t far = end_class - kNear.size();
-  return std::string(far < kFar.size() ? "free_" : "unknown_") + kFar[far % kFar.size()];
-}
-
-std::string pass_class_name(std::size_t pass_class) {
-  static constexpr std::array<const char*, kPassClasses> kNames{"on_wall", "near_wall", "free",
-                                                                "unknown"};
-  return kNames[pass_class];
-}
-
-/// Count and contribution to the log-likelihood ratio, by class.
-template <typename Counts, typename Weights, typename Name>
-nlohmann::ordered_json classes_json(const Counts& counts, const Weights& weights,
-                                    const Name& name) {
-  nlohmann::ordered_json classes = nlohmann::ordered_json::object();
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] == 0) continue;
-    classes[name(i)] = {{"count", counts[i]},
-                        {"decision_llr", static_cast<double>(weights[i]) * counts[i]}};
-  }
-  return classes;
+nlohmann::ordered_json classes_json(const std::vector<EvidenceClass>& classes) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const EvidenceClass& one : classes)
+    json[one.name] = {{"count", one.count}, {"decision_llr", one.decision_llr}};
+  return json;
 }
 
 nlohmann::ordered_json pose_values(const Pose2& pose) { return {pose.x, pose.y, pose.yaw}; }
@@ -110,19 +84,18 @@ nlohmann::ordered_json pose_json(const RankedHypothesis& pose, const Pose2& refe
   const evaluation::PoseError error = evaluation::pose_error(pose.T_map_base_link, reference);
   const bool in_right_map = pose.map.get() == right_map;
   const EvidenceScore& score = pose.evidence;
-  return {
-      {"map", pose.map->name()},
-      {"pose", pose_values(pose.T_map_base_link)},
-      {"correct", in_right_map && evaluation::is_correct(error)},
-      {"err", {error.m, error.rad * kDegreesPerRadian}},
-      {"hits", score.ends},
-      {"matched", score.matched},
-      {"contradicted", score.contradicted},
-      {"unmapped", score.unmapped},
-      {"search_llr", score.fit},
-      {"decision_llr", score.log_likelihood},
-      {"hits_by_class", classes_json(score.end_counts, kRivalWeights.ends, end_class_name)},
-      {"misses_by_class", classes_json(score.pass_counts, kRivalWeights.passes, pass_class_name)}};
+  return {{"map", pose.map->name()},
+          {"pose", pose_values(pose.T_map_base_link)},
+          {"correct", in_right_map && evaluation::is_correct(error)},
+          {"err", {error.m, error.rad * kDegreesPerRadian}},
+          {"hits", score.ends},
+          {"matched", score.matched},
+          {"contradicted", score.contradicted},
+          {"unmapped", score.unmapped},
+          {"search_llr", score.fit},
+          {"decision_llr", score.log_likelihood},
+          {"hits_by_class", classes_json(hits_by_class(score))},
+          {"misses_by_class", classes_json(misses_by_class(score))}};
 }
 
 nlohmann::ordered_json decision_json(const Decision& decision, const LocalizationMap* right_map) {

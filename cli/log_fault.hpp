@@ -1,4 +1,4 @@
-/// \file  Records of a log that could not be used: counted, the first few kept to tell of.
+/// \file  Records of a log that could not be used: counted, the first few kept for the report.
 #pragma once
 
 #include <cstddef>

@@ -44,7 +44,7 @@ std::optional<LogFormat> format_by_extension(const std::string& extension) {
   return std::nullopt;
 }
 
-/// Text of either kind tells itself by its first line.
+/// Text of either kind is recognized by its first line.
 std::optional<LogFormat> format_by_first_line(const std::filesystem::path& path) {
   Result<LineReader> lines = LineReader::open(path);
   if (!lines) return std::nullopt;

@@ -1,4 +1,4 @@
-/// \file  Tells the kinds of logs apart.
+/// \file  Recognizes the kinds of logs.
 #pragma once
 
 #include <filesystem>

@@ -1,8 +1,8 @@
-/// \file  Recorded drives as one stream of scans, whatever file they are in.
+/// \file  Recorded runs as one stream of scans, from any kind of file.
 ///
 /// JSON lines (.jsonl): first an object with `name`, `beams` and the lidar's
-/// `angle_min`, `angle_increment`, `range_min`, `range_max`; then a line a scan,
-/// {"t": s, "ranges": [m | null], "odom": [x, y, yaw] | null, "pose": [x, y, yaw] | null}, with
+/// `angle_min`, `angle_increment`, `range_min`, `range_max`. Then a line per scan,
+/// `{"t": s, "ranges": [m | null], "odom": [x, y, yaw] | null, "pose": [x, y, yaw] | null}`, with
 /// "kf": 1 on key scans; other members are ignored.
 /// CARMEN (.log, .clf, .gfs): FLASER, RLASER, ROBOTLASER1 and RAWLASER1 with ODOM and PARAM. A
 /// FLASER that says no more of its pose than its odometry does has no reference pose.

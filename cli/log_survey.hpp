@@ -25,8 +25,8 @@ struct LogSurvey {
   }
 };
 
-/// An error as well when most of its scans cannot be used. Reads the whole log, of which `stride` n
-/// keeps every n-th scan, from the first, and holds none of it.
+/// An error as well when most of its scans cannot be used. Reads the whole log and holds none of
+/// it. `stride` n keeps every n-th scan, from the first.
 [[nodiscard]] Result<LogSurvey> survey_log(const std::filesystem::path& path,
                                            const LogSelection& selection, std::size_t stride = 1);
 

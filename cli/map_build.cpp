@@ -60,15 +60,15 @@ Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress
   return total;
 }
 
-/// What a map says of itself already: a later drive does not change it, and one into a floor map
-/// will be refused.
+/// The description and lidar that a map has already. A later run does not change them, and a run
+/// into an occupancy map will be refused.
 struct KnownOfMap {
   bool description = false;
   bool lidar = false;
   bool is_floor_map = false;
 };
 
-/// What the log can tell of the map that the map does not say itself; nothing when there is none.
+/// Description and lidar from the log, as far as the map has none; nothing when it has both.
 std::optional<std::string> description_body(const MapBuildArguments& arguments,
                                             const LogHeader& header,
                                             const std::optional<KnownOfMap>& known) {
@@ -101,7 +101,7 @@ Growth growth_from_json(const nlohmann::json& answer) {
           .revision = answer.value("revision", std::uint64_t{0})};
 }
 
-/// Makes the map, or tells of it what it does not say itself.
+/// Makes the map, or adds the description and lidar that it does not have.
 Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arguments,
                           const LogHeader& header) {
   const std::string path = "/v1/maps/" + percent_encode(arguments.name);
@@ -136,7 +136,7 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans&
   Progress progress("mapping");
   Result<Growth> growth = add_in_batches(scans, add, &progress);
   if (!growth || !arguments.scans.without_poses) return growth;
-  // Whoever asks for the map first has its trajectory optimised.
+  // The first request for the map optimises its trajectory.
   const Result<nlohmann::json> ready =
       server->call({"GET", "/v1/maps/" + percent_encode(arguments.name) + "/features"});
   if (!ready) return ready.error();

@@ -1,4 +1,4 @@
-/// \file  `cornerfix map build`: a map from the scans and poses of a recorded drive.
+/// \file  `cornerfix map build`: a map from the scans and poses of a recorded run.
 #pragma once
 
 #include <string>

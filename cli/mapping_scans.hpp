@@ -18,9 +18,9 @@ struct MappingScanOptions {
   bool without_poses = false;  ///< All scans, whose poses are to be found.
 };
 
-/// Those with a reference pose, and in a log that marks key scans those only, since the poses
-/// between them are interpolated; or all of them, where poses do not matter. Reads the log twice
-/// and holds one scan of it.
+/// Those with a reference pose; in a log that marks key scans those only, since the poses between
+/// them are interpolated. All of them where poses do not matter. Reads the log twice and holds one
+/// scan of it.
 class MappingScans {
  public:
   /// An error as well when there would be none.

@@ -276,7 +276,7 @@ class ChangePrinter {  // NOLINT(bugprone-exception-escape)
   bool is_printed_ = false;
 };
 
-/// True when the robot knows where it is at the end: of the log, or some way after its first fix.
+/// True when the robot is localized at the end: of the log, or some way after it was localized.
 Result<bool> drive(Robot& robot, const ReplayArguments& arguments, RobotScans& scans,
                    bool is_printing_curl) {
   const Pace pace(is_printing_curl ? 0.0 : arguments.rate);

@@ -36,7 +36,7 @@ double mean_of(std::span<const double> values) {
          static_cast<double>(std::max<std::size_t>(1, values.size()));
 }
 
-/// What was told of starts, and what they needed.
+/// Predicted and measured path lengths of starts.
 struct Ways {
   std::vector<double> told_m;
   std::vector<double> driven_m;
@@ -98,7 +98,6 @@ ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
   params.robot.beams = log.scans.front().scan.ranges.size();
   const LocalizabilityReport report =
       assess_localizability(evaluation.map, params).value_or(LocalizabilityReport{});
-  const VirtualLidar lidar(evaluation.map->grid());
 
   ReportScore score;
   score.simulated_places = report.places.size();
@@ -112,7 +111,7 @@ ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
   }
   score.success = found / std::max(1.0, simulated);
   Ways starts;
-  Ways same_starts;
+  std::vector<Pose2> T_map_starts;
   std::map<std::pair<int, int>, Ways> squares;
   for (const StartRecord& record : evaluation.records) {
     if (!record.counts || record.near_m > options.near_m) continue;
@@ -124,10 +123,13 @@ ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
     squares[{static_cast<int>(std::floor(T_map_start.x / kSquare)),
              static_cast<int>(std::floor(T_map_start.y / kSquare))}]
         .add(told, driven);
-    same_starts.add(
-        assess_start(evaluation.map, lidar, T_map_start, params).way_m.value_or(params.way_m),
-        driven);
+    T_map_starts.push_back(T_map_start);
   }
+  const std::vector<AssessedStart> simulated_starts =
+      assess_starts(evaluation.map, T_map_starts, params);
+  Ways same_starts;
+  for (std::size_t i = 0; i < simulated_starts.size(); ++i)
+    same_starts.add(simulated_starts[i].way_m.value_or(params.way_m), starts.driven_m[i]);
   const Ways means = means_in_squares(squares);
   score.starts = starts.told_m.size();
   score.squares = means.told_m.size();

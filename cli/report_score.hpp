@@ -1,4 +1,4 @@
-/// \file  How well a map's localizability report tells what the robots of a log needed there.
+/// \file  How well a map's localizability report predicts what the robots of a log needed there.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace cornerfix::cli {
 
-/// Rank correlations (Spearman) of the way to the fix, as told and as driven. A start without a
-/// right fix counts with the whole way allowed.
+/// Rank correlations (Spearman) of the path length until localized, predicted and driven. A start
+/// that is not localized correctly counts with the whole path allowed.
 struct ReportScore {
   std::size_t simulated_places = 0;  ///< Of the report.
-  double success = 0.0;              ///< That the report tells.
+  double success = 0.0;              ///< That the report predicts.
   std::size_t starts = 0;            ///< Of the log, in the mapped part.
   std::size_t squares = 0;           ///< Of 2 m, with three of them or more.
   double over_starts = 0.0;
@@ -26,8 +26,8 @@ struct ReportScore {
 /// of one length.
 [[nodiscard]] double rank_correlation(std::span<const double> a, std::span<const double> b);
 
-/// What a report says of a robot switched on anywhere: the mean of its starts, weighed down by half
-/// a spacing of the lattice and by half the angle between them.
+/// What a report predicts for a robot started anywhere: the mean of its starts. Weights fall with
+/// half a spacing of the lattice and with half the angle between them.
 [[nodiscard]] double predicted_way_m(const LocalizabilityReport& report, const Pose2& T_map_start);
 
 /// Robots are simulated with the lidar of the log's first scan.

@@ -12,8 +12,8 @@ namespace cornerfix::cli {
 
 namespace {
 
-constexpr double kFarthest = 20.0;    // returns beyond tell little of a position [m]
-constexpr std::ptrdiff_t kReach = 3;  // returns to either side that tell a wall's direction
+constexpr double kFarthest = 20.0;    // returns beyond hardly constrain a position [m]
+constexpr std::ptrdiff_t kReach = 3;  // returns to either side that give a wall's direction
 constexpr double kFlat = 0.05;        // of the spread along a wall, the most across it
 constexpr int kMaxIterations = 30;
 constexpr double kFirstGate = 0.5;  // from a point to the wall that it may lie on [m]
@@ -22,7 +22,7 @@ constexpr double kShrink = 0.8;     // of the gate, an iteration
 constexpr double kStray = 0.03;     // scale of the Cauchy loss [m]
 constexpr std::size_t kMinPoints = 30;
 constexpr std::size_t kMaxReturns = 360;
-constexpr double kLeastTold = 0.02;  // share of the points that tell the poorest direction
+constexpr double kLeastTold = 0.02;  // share of the points that constrain the poorest direction
 constexpr double kConverged = 1e-5;  // [m], [rad]
 constexpr double kSettled = 1e-3;    // [m], [rad]
 

@@ -1,8 +1,8 @@
-/// \file  How two scans lie to each other, told by nothing but the two scans.
+/// \file  The relative pose of two scans, from nothing but the two scans.
 ///
 /// Point-to-line ICP (Censi 2008, "An ICP variant using a point-to-line metric"). It shares no step
-/// with how drives are mapped here, nor with how a log's reference poses were made, so that it can
-/// judge between them; it sees the same scans, with the same noise.
+/// with the mapping of runs here, nor with how a log's reference poses were made. So it can judge
+/// between them. It sees the same scans, with the same noise.
 #pragma once
 
 #include <optional>
@@ -17,9 +17,9 @@ struct Registration {
 };
 
 /// \param guess  Of T_a_b, within some 0.5 m and 0.3 rad.
-/// \return Nothing where it does not settle, where too few points of one scan lie on walls of the
-///         other, or where these walls do not tell all of a pose: a bare corridor, a round hall.
-///         Scans are thinned to 360 returns, so that a call takes a few ms.
+/// \return Nothing where it does not converge, or where too few points of one scan lie on walls of
+///         the other. Nothing either where these walls do not constrain a whole pose: a bare
+///         corridor, a round hall. Scans are thinned to 360 returns, so a call takes a few ms.
 [[nodiscard]] std::optional<Registration> register_scans(const LaserScan& a, const LaserScan& b,
                                                          const Pose2& guess);
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <cornerfix/motion_compensation.hpp>
+#include <cornerfix/laser_scan.hpp>
 
 namespace cornerfix::cli {
 

@@ -1,4 +1,4 @@
-/// \file  How a command speaks to its server, or tells what it would say.
+/// \file  How a command sends requests to its server, or prints them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -29,7 +29,7 @@ class ServerConnection {
   /// goes to stdout, and the answer is null.
   [[nodiscard]] Result<nlohmann::json> call(const HttpRequest& request);
 
-  /// The answer's bytes, whatever they are; empty with --print-curl.
+  /// The answer's bytes; empty with --print-curl.
   [[nodiscard]] Result<std::string> fetch(const HttpRequest& request);
 
   /// Whether answers are only null, since nothing is sent.

@@ -51,7 +51,7 @@ nlohmann::ordered_json error_json(const RelativePoseError& error) {
   return json;
 }
 
-/// What pairs of scans of one place say of the trajectory, and of the log's reference.
+/// The errors of the trajectory, and of the log's reference, over pairs of scans of one place.
 nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamRun& run) {
   std::vector<std::size_t> indices = reference_scans(scans);
   std::vector<std::vector<Pose2>> trajectories = {run.T_map_laser};

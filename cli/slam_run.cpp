@@ -2,14 +2,13 @@
 
 #include <utility>
 
-#include <cornerfix/lidar_odometry.hpp>
-#include <cornerfix/trajectory_optimizer.hpp>
+#include <cornerfix/slam.hpp>
 
 namespace cornerfix::cli {
 
 namespace {
 
-/// A scan's place on the drive: its key frame, and from there.
+/// A scan's place on the run: its keyframe, and from there.
 struct Stop {
   std::size_t key_frame = 0;
   Pose2 T_key_frame_laser;

@@ -1,4 +1,4 @@
-/// \file  SLAM over a recorded drive, without a look at its reference poses.
+/// \file  SLAM over a recorded run, without a look at its reference poses.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace cornerfix::cli {
 
 struct SlamRun {
   std::vector<Pose2> T_map_laser;      ///< One a scan; `map` is the laser at the first.
-  std::vector<std::size_t> key_scans;  ///< Indices of the scans that became key frames.
+  std::vector<std::size_t> key_scans;  ///< Indices of the scans that became keyframes.
   std::size_t submaps = 0;
   std::size_t loop_closures = 0;
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSetBackSeconds = 2.0;
 constexpr double kEqualStampStep = 0.01;  // [s]
-/// A map takes key frames more than five minutes after those before for a later run.
+/// A map takes keyframes more than five minutes after those before for a later run.
 constexpr double kRunPause = 600.0;  // [s]
 
 std::string seconds_text(double seconds) {

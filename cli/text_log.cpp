@@ -8,7 +8,7 @@ namespace cornerfix::cli {
 
 namespace {
 
-/// A log of lines, each of which holds a scan, something else, or nonsense.
+/// A log of lines; each holds a scan, something else, or nonsense.
 class TextLog final : public LogSource {
  public:
   TextLog(LineReader lines, std::unique_ptr<ScanParser> parser)

@@ -1,8 +1,8 @@
 /// \file  How well a trajectory agrees with a log's reference poses.
 ///
-/// Kuemmerle et al. 2009, "On Measuring the Accuracy of SLAM Algorithms": the error is that of
+/// Kuemmerle et al. 2009, "On Measuring the Accuracy of SLAM Algorithms". The error is that of
 /// relative poses, so that an early mistake is not counted again by all that follows. Relations are
-/// those between reference poses a given way apart.
+/// those between reference poses a given path length apart.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-/// \file  A recorded drive read into memory the way commands do it: people see how far it is, and
+/// \file  A recorded run read into memory the way commands do it: people see how far it is, and
 /// what they should know of the log.
 #pragma once
 

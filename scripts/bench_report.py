@@ -9,6 +9,7 @@ import math
 import pathlib
 import statistics
 import sys
+import textwrap
 
 import matplotlib
 
@@ -31,12 +32,12 @@ METHODS = {  # name in tables -> name for readers, colour
     "correlative_icp": ("correlative + ICP", "#8c564b"),
 }
 CHECKS = {
-    "standing": "the first scan, half of the drive mapped",
+    "standing": "the first scan, half of the run mapped",
     "even_odd": "every other scan, the others mapped",
 }
 CORNERS = {
     "vfp": ("VFP", "#9467bd", "x"),
-    "two_arm": ("two-arm", "#d62728", "+"),
+    "two_arm": ("line intersection", "#d62728", "+"),
     "loam": ("LOAM", "#1f77b4", "1"),
     "harris": ("HARRIS", "#2ca02c", "2"),
     "orb": ("ORB", "#8c564b", "3"),
@@ -74,6 +75,18 @@ def table(header, rows):
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
 
 
+def wrapped(part):
+    """Running text in lines of at most 100 columns; tables, headings and pictures stay."""
+    lines = []
+    for line in part.split("\n"):
+        indent = "  " if line.startswith("- ") else ""
+        if line.startswith(("|", "#", "!")):
+            lines.append(line)
+        else:
+            lines += textwrap.wrap(line, 100, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)
+
+
 class Report:
     def __init__(self, results, out):
         self.results = results
@@ -105,7 +118,7 @@ class Report:
         self.say(f"![{caption}](results/{name})", f"*{caption}.*{behind}")
 
     def write(self):
-        (self.out / "results.md").write_text("\n\n".join(part.rstrip("\n") for part in self.text) + "\n")
+        (self.out / "results.md").write_text("\n\n".join(wrapped(part.rstrip("\n")) for part in self.text) + "\n")
 
 
 def introduce(report):
@@ -115,8 +128,9 @@ def introduce(report):
     again = "scripts/bench.sh" + (" --quick" if quick else "") + ("" if robots == (4 if quick else 50) else f" --robots {robots}")
     report.say(
         "# Results",
-        f"Made by `{again}`; no number below was typed by hand but those of the paper and of the rivals' originals, which are in "
-        "[bench/paper](../bench/paper) and [bench/originals](../bench/originals). All times are processor time of one thread.",
+        f"Made by `{again}`. All numbers below come from that run, except those of the paper and of the "
+        "baselines' original implementations. These are in [bench/paper](../bench/paper) and "
+        "[bench/originals](../bench/originals). All times are processor time of one thread.",
         table(
             ["", ""],
             [
@@ -139,10 +153,12 @@ def corners(report):
     seeds = int(rows[0]["rooms"])
     report.say(
         "## Corners: the paper's section 4.2, tables 1-3",
-        "A room of 10 by 10 m after the paper's figure 7, 1440 beams all round; suppression within 1 m for all; right within 0.1 m. "
-        f"Means over {seeds} scans at the paper's place in different headings, and over {seeds} random rooms. Recall counts corners with "
-        "0.6 m of both walls in sight. LOAM is the coarse score alone; HARRIS and ORB are OpenCV's on the returns drawn at 0.02 m a "
-        "pixel. What its authors set for them the paper does not tell. P is precision, R recall, ms extraction + suppression.",
+        "A room of 10 by 10 m after the paper's figure 7, 1440 beams in a full turn. Suppression is "
+        f"within 1 m for all; a corner is right within 0.1 m. Means over {seeds} scans at the paper's "
+        f"place in different headings, and over {seeds} random rooms. Recall counts corners with 0.6 m of "
+        "both walls in sight. LOAM is the coarse score alone. HARRIS and ORB are OpenCV's on the returns "
+        "drawn at 0.02 m per pixel; the paper does not give its settings for them. P is precision, R "
+        "recall, ms extraction + suppression.",
     )
     lines = []
     for row in rows:
@@ -186,7 +202,7 @@ def corners(report):
                 axis.set_ylabel(f"noise {noise:g} m")
     report.figure(
         "corners.png",
-        "What each method takes for a corner (marks) in one scan, and the room's corners in sight (circles)",
+        "Detected corners (marks) in one scan, and the room's corners in sight (circles)",
         ["corners_picture.csv"],
     )
 
@@ -197,8 +213,9 @@ def matching(report):
         return
     report.say(
         "## Matching: the paper's section 4.3, figure 8",
-        "Random features in 50 by 50 m, half of the submap's features are the map's, without noise; p = .95, N/N_local = .5, as in the "
-        "paper. Times are those of matching alone, with the map's index made before.",
+        "Random features in 50 by 50 m. Half of the features of the local map are the map's, without "
+        "noise; p = .95, N/N_local = .5, as in the paper. Times are those of matching alone, with the "
+        "map's index made before.",
     )
     lines = []
     for count in sorted({row["features"] for row in rows}):
@@ -227,15 +244,15 @@ def matching(report):
         of = [row for row in rows if row["features"] == count]
         for key, name, colour in (("nma_ms", "NMA", "#1f77b4"), ("rma_ms", "RMA", "#9467bd"), ("triangles_ms", "triangles", "#d62728")):
             axis.semilogy([row["local"] for row in of], [row[key] for row in of], label=name, color=colour)
-        axis.set(title=f"{count:.0f} features in the map", xlabel="features in the submap", ylabel="ms")
+        axis.set(title=f"{count:.0f} features in the map", xlabel="features in the local map", ylabel="ms")
         axis.grid(alpha=0.3)
     axes[0].legend()
-    report.figure("matching.svg", "Time of a match by the size of the submap (figure 8 of the paper)", ["matching.csv"])
+    report.figure("matching.svg", "Time of a match by the size of the local map (figure 8 of the paper)", ["matching.csv"])
 
     sweeps = report.read("matching_sweeps.csv")
     _, axes = plt.subplots(1, 2, figsize=(9, 3.4))
     for axis, sweep, key, label in zip(
-        axes, ("overlap", "noise"), ("overlap", "noise_m"), ("share of the submap that the map holds (noise 0.05 m)", "noise m (overlap .5)")
+        axes, ("overlap", "noise"), ("overlap", "noise_m"), ("share of the local map that the map holds (noise 0.05 m)", "noise m (overlap .5)")
     ):
         of = [row for row in sweeps if row["sweep"] == sweep]
         for method, name, colour in (("nma", "NMA", "#1f77b4"), ("rma", "RMA", "#9467bd"), ("triangles", "triangles", "#d62728")):
@@ -245,7 +262,7 @@ def matching(report):
     axes[0].legend()
     report.figure(
         "matching_sweeps.svg",
-        f"Right poses (0.5 m, 5 deg) of {sweeps[0]['trials']:.0f} submaps of 50 features in a map of 300, .0177 a square metre",
+        f"Right poses (0.5 m, 5 deg) of {sweeps[0]['trials']:.0f} local maps of 50 features in a map of 300, .0177 per square metre",
         ["matching_sweeps.csv"],
     )
 
@@ -279,8 +296,9 @@ def worlds(report):
     kinds = ["static", "changed", "similar"]
     report.say(
         "## Worlds: the paper's section 4.4, figures 9-11",
-        "25 by 25 m, a lidar of 180 deg at .25 deg and .01 m; the robot turns once on the spot, then drives about for up to 20 m. "
-        "*static*: as mapped; *changed*: twelve boxes more within 5 m of the start; *similar*: four rooms with the same boxes, and three boxes more in the other rooms.",
+        "25 by 25 m, a lidar of 180 deg at .25 deg and .01 m. The robot turns once on the spot, then "
+        "moves for up to 20 m. *static*: as mapped. *changed*: twelve more boxes within 5 m of the start."
+        " *similar*: four rooms with the same boxes, and three more boxes in the other rooms.",
     )
     lines = []
     for kind in kinds:
@@ -299,7 +317,7 @@ def worlds(report):
                     shown(statistics.mean(row["corners_seen"] for row in of), 1),
                 ]
             )
-    report.say(table(["world", "method", "localized", "wrong", "on the spot", "way m, median", "error m, median", "corners in the first scan"], lines))
+    report.say(table(["world", "method", "localized", "wrong", "on the spot", "path m, median", "error m, median", "corners in the first scan"], lines))
     walls = report.read("worlds_walls.csv")
     _, axes = plt.subplots(1, 3, figsize=(13, 4.4))
     for axis, kind in zip(axes, kinds):
@@ -315,7 +333,7 @@ def worlds(report):
     axes[0].legend(fontsize=8)
     report.figure(
         "worlds.png",
-        "The first world of each kind (added boxes in orange), the start (star), and where in all worlds of the kind robots were when localized",
+        "The first world of each kind (added boxes in orange), the start (star), and the places of robots when localized in all worlds of the kind",
         ["worlds.csv"],
     )
 
@@ -342,22 +360,27 @@ def summary(starts, times, building, method):
 def robots(report, starts, times, buildings):
     report.say(
         "## Robots: the paper's section 4.5, tables 4-5",
-        "Robots are switched on all over a drive, without any guess of where they are. All methods have the same starts, scans, odometry "
-        "and mapping drive, of which Cartographer's grid takes more scans by its own rule, and one thread. A start counts if it is within 1 m of a mapped pose; it is *right* if the first pose said is "
-        "within .5 m and 5 deg, *wrong* if not, else *none* after 20 m or 180 s, of driving or of computing. Times are of scans that a method worked on: Monte Carlo "
-        "waits for .2 m or 30 deg between updates, branch and bound and correlation for .2 m or 10 deg between searches, Cornerfix and RMA "
-        "work on every scan. *Work* is what a start cost in all until its fix or its end. Recorded drives are judged by poses that are "
-        "themselves good to .1-.2 m.",
-        "- *Branch and bound* is Cartographer's (7 levels, minimum score .6, a grid of probabilities of its own): over the whole map, and with "
-        "the paper's window of 7 m and 30 deg, which takes for granted that the place is known so well.\n"
-        "- *AMCL* is the algorithm of ROS with its parameters, 20,000 particles all over the map, recovery on; *MRPT* is "
-        "`CMonteCarloLocalization2D` of Debian's package. Their pose counts once the particles lie within .5 m (standard deviation).\n"
-        "- *RMA as published* believes the first match with more than six votes; *Cornerfix, method rma* verifies it.\n"
+        "Robots are started all along a run, without an initial pose. All methods have the same starts, "
+        "scans, odometry and mapping run, and one thread. Cartographer's grid takes more scans of the "
+        "mapping run by its own rule. A start counts if it is within 1 m of a mapped pose. It is *right* "
+        "if the first pose is within .5 m and 5 deg, *wrong* if not, and *none* after 20 m or 180 s, of "
+        "driving or of computing. Times are of scans that a method worked on. Monte Carlo waits for .2 m "
+        "or 30 deg between updates. Branch and bound and correlation wait for .2 m or 10 deg between "
+        "searches. Cornerfix and RMA work on every scan. *Work* is the total time of a start until it is "
+        "localized or ends. The reference poses of recorded runs are themselves good to .1-.2 m.",
+        "- *Branch and bound* is Cartographer's (7 levels, minimum score .6, a grid of probabilities of "
+        "its own). It searches the whole map, and the paper's window of 7 m and 30 deg, which requires "
+        "that the pose is known so well.\n"
+        "- *AMCL* is the algorithm of ROS with its parameters, 20,000 particles in the whole map, "
+        "recovery on. *MRPT* is `CMonteCarloLocalization2D` of Debian's package. Their pose counts once "
+        "the particles lie within .5 m (standard deviation).\n"
+        "- *RMA as published* accepts the first match with more than six votes; *Cornerfix, method rma* "
+        "verifies it.\n"
         "- The memory of a map is what the method itself searches, without the grid file.",
     )
     for building in buildings:
         methods = [m for m in METHODS if any(row["building"] == building and row["method"] == m for row in starts)]
-        kind = "simulated drives" if building in SIMULATED else "recorded drive"
+        kind = "simulated runs" if building in SIMULATED else "recorded run"
         lines = []
         for method in methods:
             s = summary(starts, times, building, method)
@@ -380,8 +403,8 @@ def robots(report, starts, times, buildings):
                 [
                     "method",
                     "right/wrong/none",
-                    "s / m to the fix, median",
-                    "searching ms a scan: mean / p50 / p95",
+                    "s / m until localized, median",
+                    "searching ms per scan: mean / p50 / p95",
                     "tracking ms: mean / p50 / p95",
                     "work s",
                     "error m / deg, median",
@@ -420,8 +443,8 @@ def paper_table(report, starts, times, buildings):
         )
     report.say(
         "### Beside the paper's tables 4-5",
-        "The paper drove recorded bags of the two buildings on its own machine; here drives are simulated in their floor maps. Times are means "
-        "a scan while searching.",
+        "The paper used recorded bags of the two buildings on its own machine. Here runs are simulated in"
+        " their occupancy maps. Times are means per scan while searching.",
         table(["building", "method", "paper: localized", "paper: ms", "paper: error m / deg", "here: localized", "here: ms", "here: error m / deg"], lines),
     )
 
@@ -437,12 +460,12 @@ def curves(report, starts, buildings):
                 continue
             ways = sorted(row["way_m"] for row in of if row["verdict"] == "fixed")
             axis.step([0.0] + ways + [20.0], [i / len(of) for i in range(len(ways) + 1)] + [len(ways) / len(of)], where="post", color=colour, label=name)
-        axis.set(title=building, xlabel="m driven", ylabel="localized rightly", ylim=(-0.03, 1.03), xlim=(-0.3, 20))
+        axis.set(title=building, xlabel="m driven", ylabel="localized correctly", ylim=(-0.03, 1.03), xlim=(-0.3, 20))
         axis.grid(alpha=0.3)
     for axis in list(axes.flat)[len(buildings):]:
         axis.axis("off")
     axes.flat[0].legend(fontsize=7)
-    report.figure("time_to_fix.svg", "Share of the robots that were localized rightly by the way they had driven", [f"starts_{b}.csv" for b in buildings])
+    report.figure("time_to_fix.svg", "Share of the robots that were localized correctly, by path length", [f"starts_{b}.csv" for b in buildings])
 
 
 def map_figure(report, starts, building):
@@ -464,7 +487,7 @@ def map_figure(report, starts, building):
         axis.set(title=METHODS[method][0], aspect="equal", xticks=[], yticks=[])
     report.figure(
         f"fixes_{building}.png",
-        f"{building}: the way of the robots (blue) and where they were told to be when localized: right (green), wrong (red, joined to the true place)",
+        f"{building}: the path of the robots (blue) and their poses when localized: right (green), wrong (red, joined to the true place)",
         [],
     )
 
@@ -474,10 +497,13 @@ def speed(report, starts, times, buildings):
     names = {"cornerfix": "Cornerfix", "amcl": "AMCL, KLD", "amcl_20000": "AMCL, all 20,000", "amcl_20000_binary_search": "AMCL, all 20,000, binary search", "mrpt": "MRPT, KLD"}
     if tracking:
         report.say(
-            "## Following a robot",
-            "From a known start over 20 m each (Cornerfix: from its own fix on; AMCL is told it with .5 m and 15 deg of deviation, MRPT to within .25 m and 7.5 deg), in recorded drives every other scan, the others having made "
-            "the map; times of scans that a method worked on. *Right* is within .5 m and 5 deg of the reference: also the check that Monte "
-            "Carlo is well. ROS's AMCL draws each particle by a walk over all of them; *binary search* looks it up instead.",
+            "## Tracking a robot",
+            "Over 20 m each, from a known start. Cornerfix starts from its own accepted pose. AMCL is "
+            "given the start with .5 m and 15 deg of deviation, MRPT within .25 m and 7.5 deg. In "
+            "recorded runs every other scan is used, and the others make the map. Times are of scans that"
+            " a method worked on. *Right* is within .5 m and 5 deg of the reference; it also checks that "
+            "Monte Carlo works. ROS's AMCL draws each particle by a loop over all of them; *binary "
+            "search* uses one instead.",
             table(
                 ["building", "method", "scans", "ms: mean / p50 / p95", "right"],
                 [
@@ -514,8 +540,9 @@ def speed(report, starts, times, buildings):
         ("tracking, mean: AMCL, all 20,000", 200, lambda b: ratio(following(b, "amcl_20000"), following(b, "cornerfix"))),
     ]
     report.say(
-        "## Speed against the rivals",
-        "How many times what Cornerfix needs for a scan they need. While searching, Cornerfix's own searches for rival places are included.",
+        "## Speed against the baselines",
+        "How many times the time of Cornerfix per scan the baselines need. While searching, Cornerfix's "
+        "own searches for rivals are included.",
         table(
             ["building"] + [label.strip() for label, _, _ in columns],
             [["*goal*"] + [f"*{goal}*" for _, goal, _ in columns]] + [[b] + [shown(of(b), 0) for _, _, of in columns] for b in buildings],
@@ -536,7 +563,7 @@ def speed(report, starts, times, buildings):
 
 
 def rivals_well(report):
-    """Whether the rivals reach what was measured of their originals, on the same drives."""
+    """Whether the baselines reach what their original implementations did, on the same runs."""
     lines = []
     for original in read(ORIGINALS):
         asked = f"{original['building']}_{original['check']}"
@@ -552,10 +579,11 @@ def rivals_well(report):
         )
     if lines:
         report.say(
-            "## Are the rivals well?",
-            "Right/wrong/none, and the share that was right, beside what their originals reached on the same drives, at other starts and "
-            "with their defaults ([bench/originals](../bench/originals)); AMCL and MRPT here have better parameters.",
-            table(["building", "asked", "rival", "here", "original"], lines),
+            "## Do the baselines work as their originals?",
+            "Right/wrong/none, and the share that was right, beside what their original implementations "
+            "reached on the same runs. The originals had other starts and their defaults "
+            "([bench/originals](../bench/originals)). AMCL and MRPT here have better parameters.",
+            table(["building", "asked", "baseline", "here", "original"], lines),
         )
 
 
@@ -565,10 +593,11 @@ def many_maps(report):
         return
     report.say(
         "## Which map",
-        "Robots that are told their map, and the same ones that are not: among the maps of all other buildings, their mirror images, their "
-        "halves and quarters, these mirrored, and the mirror image of the right map. A fix in another map is wrong, wherever it is.",
+        "Robots with a given map, and the same ones without. Without, they search among the maps of all "
+        "other buildings, their mirror images, their halves and quarters, these mirrored, and the mirror "
+        "image of the right map. A pose in another map is wrong.",
         table(
-            ["building", "maps", "robots", "right", "wrong", "m to the fix: p50 / p90", "searching ms a scan: mean / p50 / p95"],
+            ["building", "maps", "robots", "right", "wrong", "m until localized: p50 / p90", "searching ms per scan: mean / p50 / p95"],
             [
                 [str(row["building"])]
                 + [f"{row[key]:.0f}" for key in ("maps", "starts", "right", "wrong")]
@@ -600,14 +629,14 @@ def honest(report, starts, times, buildings):
             if theirs["wrong"] < ours["wrong"]:
                 where.append(f"fewer wrong ({theirs['wrong']} against {ours['wrong']})")
             if theirs["way"] is not None and ours["way"] is not None and theirs["way"] < ours["way"] and theirs["fixed"] >= 0.5 * theirs["starts"]:
-                where.append(f"a shorter way to the fix (median {theirs['way']:.1f} against {ours['way']:.1f} m)")
+                where.append(f"a shorter path until localized (median {theirs['way']:.1f} against {ours['way']:.1f} m)")
             if theirs["error_m"] is not None and ours["error_m"] is not None and theirs["error_m"] < 0.8 * ours["error_m"]:
                 where.append(f"a smaller error (median {theirs['error_m']:.3f} against {ours['error_m']:.3f} m)")
             if theirs["searching"] and ours["searching"] and theirs["searching"]["mean_ms"] < ours["searching"]["mean_ms"]:
-                where.append(f"less time a scan while searching ({theirs['searching']['mean_ms']:.2f} against {ours['searching']['mean_ms']:.2f} ms)")
+                where.append(f"less time per scan while searching ({theirs['searching']['mean_ms']:.2f} against {ours['searching']['mean_ms']:.2f} ms)")
             if where:
                 better.append(f"- {building}, {name}: {'; '.join(where)}.")
-    report.say("## Where a rival is better", "\n".join(better) if better else "Nowhere in this run, by success, wrong answers, way to the fix, error and time a scan.")
+    report.say("## Where a baseline is better", "\n".join(better) if better else "Nowhere in this run, by success, wrong answers, path length until localized, error and time per scan.")
 
 
 def main():

@@ -4,7 +4,7 @@
 Usage: calibrate.py DOMAIN.csv... One file per domain (offices, outdoor, warehouses, ...); the column
 `log` names the building. Prints the table of evidence weights that these samples give, the coefficients
 of core's acceptance model, and how well models without a building and without a domain do on it.
-See docs/algorithm.md, "The decision". Needs numpy and scipy.
+See docs/method/05-acceptance.md. Needs numpy and scipy.
 """
 import collections
 import csv

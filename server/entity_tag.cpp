@@ -5,7 +5,7 @@
 namespace cornerfix::server {
 namespace {
 
-/// A tag without what tells it weak: `"…"`.
+/// A tag without the mark of a weak one: `"…"`.
 std::string_view opaque_part(std::string_view tag) {
   if (tag.starts_with("W/")) tag.remove_prefix(2);
   return tag;

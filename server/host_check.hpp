@@ -7,9 +7,9 @@
 
 namespace cornerfix::server {
 
-/// Without tokens a browser is the way in for strangers: a page of theirs has its name resolved to
-/// this machine, and asks the server as if it were the page's own. Such a request has the page's
-/// name in its Host header. Immutable, so any threads may share it.
+/// Without tokens strangers can reach the server through a browser. A page of theirs has its name
+/// resolved to this machine, and asks the server as if it were the page's own. Such a request has
+/// the page's name in its Host header. Immutable, so any threads may share it.
 class HostCheck {
  public:
   /// \param listen  The address that the server is bound to.
@@ -17,7 +17,7 @@ class HostCheck {
   HostCheck(const std::string& listen, std::vector<std::string> allowed_hosts);
 
   /// Whether a Host header names this server. A server on loopback has loopback's names and
-  /// addresses; one on other addresses also has any address, and names that no public DNS has:
+  /// addresses. One on other addresses also has any address, and names that no public DNS has:
   /// those without a dot, and those in .local.
   [[nodiscard]] bool allows_host(std::string_view host) const;
   /// Whether an Origin header is that of the server's own pages, or of an allowed host's.

@@ -20,7 +20,7 @@ class EventSubscription;
 
 struct Request {
   std::string id;                     ///< Ours, for the log and the answer.
-  std::string method;                 ///< As sent; a HEAD is told from a GET here only.
+  std::string method;                 ///< As sent; only here a HEAD differs from a GET.
   std::vector<std::string> captures;  ///< Path segments that matched `{…}`, percent-decoded once.
   std::multimap<std::string, std::string> query;
   std::string body;  ///< Inflated.

@@ -5,10 +5,9 @@
 #include <string>
 #include <type_traits>
 
-#include <cornerfix/grid_mapping.hpp>
-#include <cornerfix/lidar_odometry.hpp>
 #include <cornerfix/map_image.hpp>
-#include <cornerfix/trajectory_optimizer.hpp>
+#include <cornerfix/mapper.hpp>
+#include <cornerfix/slam.hpp>
 
 #include "server/map_outline.hpp"
 #include "server/mapping_batch.hpp"
@@ -70,7 +69,7 @@ std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
 /// change the map.
 Error too_large_now(const Error& error) { return {ErrorCode::kConflict, error.message, ""}; }
 
-/// What the key frames of a drive show once its drift has been taken away.
+/// What the keyframes of a run show once its drift has been taken away.
 Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParams& params,
                                        const MapLibrary::Progress& progress) {
   const auto optimized = optimize_trajectory(drifting.key_frames(), progress);
@@ -81,8 +80,8 @@ Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParam
   return mapper->build();
 }
 
-/// An error in the files of a floor map, as one in the form that they came in. Those that may be
-/// read but are wrong are keys of the yaml.
+/// An error in the files of an occupancy map, as one in the form that they came in. Those that may
+/// be read but are wrong are keys of the yaml.
 Error at_form(Error error) {
   error.field = (error.code == ErrorCode::kInvalidArgument ? "/yaml/" : "/") + error.field;
   return error;
@@ -107,8 +106,8 @@ struct MapLibrary::GrowingMap {
 
   const std::int64_t map_id;
   std::mutex mutex;
-  std::optional<Mapper> mapper;           ///< Holds the key frames of `revision`.
-  std::optional<LidarOdometry> odometry;  ///< At the last scan of a drive without poses.
+  std::optional<Mapper> mapper;           ///< Holds the keyframes of `revision`.
+  std::optional<LidarOdometry> odometry;  ///< At the last scan of a run without poses.
   std::uint64_t revision = 0;
 
   [[nodiscard]] bool holds(const MapInfo& info) const {
@@ -430,7 +429,7 @@ Result<MapContent> MapLibrary::content_of_key_frames(GrowingMap& growing, const 
   if (auto rebuilt = rebuild(growing, info); !rebuilt) return rebuilt.error();
   auto built = info.drifts ? build_without_drift(*growing.mapper, mapper_params(info), progress)
                            : Result<MapContent>(growing.mapper->build());
-  if (!was_growing) growing.forget();  // Its key frames are needed for growing only.
+  if (!was_growing) growing.forget();  // Its keyframes are needed for growing only.
   return built;
 }
 

@@ -40,18 +40,18 @@ struct MapGrowthReport {
   std::uint64_t revision = 0;
 };
 
-/// What a floor map was made into.
+/// What an occupancy map was made into.
 struct FloorMapReport {
   bool created = false;  ///< The map did not exist before.
   storage::MapInfo info;
-  std::vector<std::string> warnings;  ///< What the floor map's owner should know.
+  std::vector<std::string> warnings;  ///< What the occupancy map's owner should know.
 };
 
 /// Any threads may call; changes of one map happen one after the other. What a call acknowledged
 /// is on disk, and a call that fails has changed nothing. Other processes may change the same file.
 class MapLibrary {
  public:
-  using Progress = std::function<void(double)>;  ///< Told the share done, in [0, 1].
+  using Progress = std::function<void(double)>;  ///< Called with the share done, in [0, 1].
 
   MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now);
   ~MapLibrary();
@@ -72,15 +72,15 @@ class MapLibrary {
   /// kConflict when the map was made from scans without poses.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const PosedScan> scans);
-  /// Scans of a drive without poses, in its order: lidar odometry gives them, and load() takes
-  /// their drift away. After a restart the drive goes on at its last key frame. kConflict when the
-  /// map was made from scans at poses; kInvalidArgument when a new scan is not later than the key
-  /// frames.
+  /// Scans of a run without poses, in its order: lidar odometry gives them, and load() takes
+  /// their drift away. After a restart the run goes on at its last keyframe. kConflict when the
+  /// map was made from scans at poses; kInvalidArgument when a new scan is not later than the
+  /// keyframes.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const RobotScan> scans);
 
-  /// Makes the map from a ROS floor map alone; a map made so before is made anew, in its frame and
-  /// with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
+  /// Makes the map from a ROS occupancy map alone; a map made so before is made anew, in its frame
+  /// and with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
   [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
                                                      std::span<const std::byte> image);
 
@@ -91,18 +91,18 @@ class MapLibrary {
   [[nodiscard]] Result<storage::MapInfo> restore(std::string_view name,
                                                  std::span<const std::uint8_t> bytes);
 
-  /// The map's grid as it is to be shown: the floor map as it was put, or what scans made. Empty
-  /// when the map has neither.
+  /// The map's grid as it is to be shown: the occupancy map as it was put, or what scans made.
+  /// Empty when the map has neither.
   [[nodiscard]] Result<OccupancyGrid> grid(const storage::MapInfo& info);
 
-  /// Moves every key frame to the pose of its stamp (nearest within 1 ms). kInvalidArgument, with
+  /// Moves every keyframe to the pose of its stamp (nearest within 1 ms). kInvalidArgument, with
   /// the stamps that are missing, when some have none, and when the map would spread beyond what
   /// its grid can hold.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
                                                         std::span<const api::StampedPose> poses);
 
-  /// The newest revision of a map, from memory, from the store, or made anew and then stored. The
-  /// trajectory of a map that drifts is then optimised, which tells `progress` the share done.
+  /// The newest revision of a map, from memory, from the store, or made again and then stored. The
+  /// trajectory of a map that drifts is then optimised, with calls of `progress`.
   [[nodiscard]] Result<LocalizationMapPtr> load(std::string_view name,
                                                 const Progress& progress = {});
   /// The same, when the caller knows that `info` is current.

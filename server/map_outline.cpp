@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include <cornerfix/grid_mapping.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "api/requests.hpp"
 

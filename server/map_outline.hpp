@@ -1,4 +1,4 @@
-/// \file  What a map's entry says of what is made of its source.
+/// \file  The part of a map's entry that is made of its source.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,13 @@
 
 namespace cornerfix::server {
 
-/// A mapper that holds these key frames, or why its grid could not. O(key frames * beams).
+/// A mapper that holds these keyframes, or why its grid could not. O(keyframes * beams).
 [[nodiscard]] Result<Mapper> mapper_of(std::vector<PosedScan> key_frames,
                                        const MapperParams& params);
 
 [[nodiscard]] storage::MapOutline outline_of(const Mapper& mapper);
-/// Of a map made from a floor map: its bounds are the box around the grid, however it is turned.
+/// Of a map made from an occupancy map: its bounds are the box around the grid, however it is
+/// turned.
 [[nodiscard]] storage::MapOutline outline_of(const MapContent& content);
 /// Of what an archive's map is made of; kInvalidArgument when it cannot be made.
 [[nodiscard]] Result<storage::MapOutline> outline_of(const storage::MapArchive& archive);

@@ -217,7 +217,7 @@ class MapRoutes {
     const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), feature);
     const bool is_number = error == std::errc{} && end == id.data() + id.size();
     if (!is_number || feature >= (*map)->features().size()) return no_such_feature(id);
-    const DescriptorParams& params = (*map)->descriptor_index().params();
+    const DescriptorParams& params = (*map)->descriptor_params();
     return document_response(
         request, 200,
         api::render_descriptor((*map)->revision(), feature, params,

@@ -16,13 +16,13 @@ constexpr std::size_t kMaxKept = 32;
 constexpr std::size_t kMaxWaiting = 4;  // each holds a thread that robots might need
 constexpr int kNiceness = 5;
 
-VirtualRobot robot_with(const std::optional<api::Lidar>& lidar) {
-  VirtualRobot robot;
+SimulatedRobot robot_with(const std::optional<api::Lidar>& lidar) {
+  SimulatedRobot robot;
   if (!lidar || !lidar->beams) return robot;
   robot.lidar.angle_min = lidar->angle_min;
   robot.lidar.angle_increment = lidar->angle_increment;
   robot.lidar.range_min = lidar->range_min;
-  // No real lidar is without limit; a simulated one keeps the limit of VirtualRobot then.
+  // No real lidar is without limit; a simulated one keeps the limit of SimulatedRobot then.
   if (std::isfinite(lidar->range_max)) robot.lidar.range_max = lidar->range_max;
   robot.beams = *lidar->beams;
   robot.T_base_link_laser = lidar->T_base_link_laser;

@@ -38,8 +38,8 @@ class ReportService {
   ReportService& operator=(const ReportService&) = delete;
 
   /// The report of this revision; begun when it is not there, and waited for so long. Robots are
-  /// simulated with the map's lidar if it names one with its beams, else with that of VirtualRobot.
-  /// kUnavailable when too many reports wait, kInternal when making it threw.
+  /// simulated with the map's lidar if it names one with its beams, else with that of
+  /// SimulatedRobot. kUnavailable when too many reports wait, kInternal when making it threw.
   [[nodiscard]] Result<ReportView> get(const storage::MapInfo& info, std::chrono::seconds wait);
 
   /// The map was deleted: gives its report up, and those who wait for it get kUnavailable.

@@ -39,7 +39,7 @@ Response too_large(std::size_t limit) {
       "A body has at most " + std::to_string(limit) + " bytes, after decompression.");
 }
 
-/// The body, inflated; or the answer to a body that is not to be had.
+/// The body, inflated; or the answer to a body that cannot be read.
 std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std::size_t limit) {
   if (exchange.framing.length > limit) return too_large(limit);
   BodyBuffer buffer(gzip, limit);
@@ -60,7 +60,7 @@ std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std
   return buffer.take();
 }
 
-/// The parts of a form by name, read by the library, or the answer to a form that is not to be had.
+/// The parts of a form by name, read by the library, or the answer to one that cannot be read.
 std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& exchange,
                                                                      std::size_t limit) {
   if (exchange.framing.length > limit) return too_large(limit);

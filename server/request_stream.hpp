@@ -25,8 +25,8 @@ class RequestStream {
 
   [[nodiscard]] httplib::Stream& bytes();
 
-  /// The request as the library has it, known once its head is parsed. Whoever answers it sets its
-  /// Connection header to "close" when the connection cannot be kept.
+  /// The request as the library has it, known once its head is parsed. The code that answers it
+  /// sets its Connection header to "close" when the connection cannot be kept.
   void watch(const httplib::Request& parsed);
   [[nodiscard]] bool is_closing() const;
 

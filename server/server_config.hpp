@@ -20,7 +20,7 @@ enum class Role { kViewer, kRobot, kAdmin };
 struct Token {
   std::string token;
   Role role = Role::kViewer;
-  std::string name;  ///< Of the holder; for kRobot the only robot that it may speak for.
+  std::string name;  ///< Of the holder; for kRobot the only robot whose sessions it opens.
 };
 
 struct ServerConfig {

@@ -1,4 +1,4 @@
-/// \file  A trajectory that was optimised elsewhere, laid on a map's key frames.
+/// \file  A trajectory that was optimised elsewhere, laid on a map's keyframes.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace cornerfix::server {
 
-/// The pose of each key frame's stamp (nearest within 1 ms), in their order. kInvalidArgument, with
+/// The pose of each keyframe's stamp (nearest within 1 ms), in their order. kInvalidArgument, with
 /// the stamps that are missing, when some have none. O(n log n).
 [[nodiscard]] Result<std::vector<Pose2>> poses_of(const std::vector<PosedScan>& key_frames,
                                                   std::span<const api::StampedPose> given);

@@ -19,7 +19,7 @@ Result<void> copy_and_check(const fs::path& source, const fs::path& target) {
     SQLite::Database from(source.string(), SQLite::OPEN_READONLY, kDefaultBusyTimeoutMs);
     SQLite::Database to(target.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     SQLite::Backup(to, from).executeStep();
-    // The copy is one file, whatever journal the source has.
+    // The copy is one file, for any journal of the source.
     to.exec("PRAGMA journal_mode = DELETE");
     if (to.execAndGet("PRAGMA application_id").getInt64() != kApplicationId)
       return Error{ErrorCode::kInvalidArgument, "is not a Cornerfix database", source.string()};

@@ -1,7 +1,7 @@
-/// \file  Core types as versioned little-endian BLOBs, laid out as docs/storage-schema.md tells.
+/// \file  Core types as versioned little-endian BLOBs; docs/storage-schema.md has the layout.
 ///
-/// Every BLOB begins with its version and kind and ends with a CRC-32, so bytes that are foreign,
-/// cut short, too long or damaged are kCorruptData: never a crash, nor more memory than they can
+/// Every BLOB begins with its version and kind and ends with a CRC-32. Bytes that are foreign, cut
+/// short, too long or damaged are kCorruptData: never a crash, nor more memory than they can
 /// justify. Decoding gives back bit for bit what was encoded. Stateless: any thread may call.
 #pragma once
 
@@ -39,8 +39,8 @@ using BlobView = std::span<const std::uint8_t>;
 [[nodiscard]] Blob encode_submap_scan(const SubmapScan& scan);
 [[nodiscard]] Result<SubmapScan> decode_submap_scan(BlobView blob);
 
-/// Names a stored submap scan: `index` alone repeats after a reset, the checksum of its BLOB tells
-/// such scans apart.
+/// Names a stored submap scan. `index` alone repeats after a reset; the checksum of its BLOB
+/// distinguishes such scans.
 struct SubmapScanKey {
   std::uint64_t index = 0;
   std::uint32_t checksum = 0;

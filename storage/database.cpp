@@ -56,7 +56,7 @@ fs::path companion(const fs::path& path, const char* suffix) {
   return name;
 }
 
-/// Whether a write may be going on, or was broken off: the file alone does not tell its content.
+/// Whether a write may be going on, or was broken off: the file alone is then incomplete.
 bool has_companions(const fs::path& path) {
   return fs::exists(companion(path, "-wal")) || fs::exists(companion(path, "-journal"));
 }

@@ -33,9 +33,9 @@ class Database {
  public:
   /// Opens `path`, or creates it when it does not exist or is empty, and migrates older schemas.
   ///
-  /// A newer schema, a file of another program (kInvalidArgument), a damaged file or one that is
-  /// not SQLite's (kCorruptData) is refused; it is byte for byte what it was, and nothing lies
-  /// beside it that was not there. `field` of an error is the path. Reads the whole file once.
+  /// Refuses a newer schema or a file of another program (kInvalidArgument), and a damaged file or
+  /// one that is not SQLite's (kCorruptData). A refused file is byte for byte what it was, and no
+  /// new file lies beside it. `field` of an error is the path. Reads the whole file once.
   [[nodiscard]] static Result<std::shared_ptr<Database>> open(
       const std::filesystem::path& path, Synchronous synchronous,
       int busy_timeout_ms = kDefaultBusyTimeoutMs);

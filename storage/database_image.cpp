@@ -117,7 +117,7 @@ Result<std::unique_ptr<SQLite::Database>> open_untrusted_image(std::span<const s
       return sound.error();
     return database;
   });
-  // Whatever is wrong with the bytes is the fault of who sent them, not of our own file.
+  // Any fault of the bytes is that of their sender, not of our own file.
   if (!opened && opened.error().field != "archive") return malformed(opened.error().message);
   return opened;
 }

@@ -30,7 +30,7 @@ struct ImageKind {
 [[nodiscard]] std::vector<std::uint8_t> bytes_of(SQLite::Database& database);
 
 /// Opens the bytes of a file that anyone may have made, read-only and in memory. No code of its own
-/// is run: triggers, views and functions in its schema are off, and the schema must be letter for
+/// is run: triggers, views and functions in its schema are off. The schema must be letter for
 /// letter that of `kind` before any table is read. Then all pages are checked.
 ///
 /// kMalformed for what is not SQLite's or is damaged, kInvalidArgument for another kind, version or

@@ -118,7 +118,7 @@ bool is_possible(const PosedScan& key_frame) {
          is_finite(key_frame.T_map_base_link) && is_finite(key_frame.T_base_link_laser);
 }
 
-/// Returns the chain of the key frames.
+/// Returns the chain of the keyframes.
 Result<KeyFrameChain> read_key_frames(SQLite::Database& image, MapArchive& archive) {
   KeyFrameChain chain{};
   SQLite::Statement statement(image, "SELECT ordinal, scan FROM key_frames ORDER BY ordinal");

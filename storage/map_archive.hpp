@@ -1,7 +1,7 @@
 /// \file  A whole map as one SQLite file: to carry it to another server, or to keep it.
 ///
-/// The file's tables are told in docs/storage-schema.md. Only the source of a map is in it; what is
-/// derived is made anew.
+/// docs/storage-schema.md describes the file's tables. Only the source of a map is in it; what is
+/// derived is made again.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@ struct MapArchive {
   std::string digest;          ///< Hex SHA-256 of the content, as in MapInfo.
   std::vector<double> stamps;  ///< Of all scans the map has taken, ascending.
   std::vector<PosedScan> key_frames;
-  bool drifts = false;                     ///< Of the key frames, as in MapInfo.
-  std::optional<OccupancyGrid> floor_map;  ///< Instead of key frames.
+  bool drifts = false;                     ///< Of the keyframes, as in MapInfo.
+  std::optional<OccupancyGrid> floor_map;  ///< Instead of keyframes.
 };
 
 [[nodiscard]] Result<std::vector<std::uint8_t>> encode_archive(const MapArchive& archive);

@@ -118,7 +118,7 @@ Error made_from_floor_map() {
                "map"};
 }
 
-/// Whether the map has taken any scan, key frame or not.
+/// Whether the map has taken any scan, keyframe or not.
 bool holds_scans(Database& database, std::int64_t map_id) {
   Statement statement(database, "SELECT 1 FROM map_stamps WHERE map_id = ? LIMIT 1");
   return statement.bind(map_id).step();
@@ -136,7 +136,7 @@ void insert_stamps(Database& database, std::int64_t map_id, std::span<const doub
   for (const double stamp : stamps) statement.bind(map_id, stamp).run();
 }
 
-/// Appends key frames to the table and to the row's count and chain.
+/// Appends keyframes to the table and to the row's count and chain.
 void append_key_frames(Database& database, MapRow& map, std::span<const PosedScan> key_frames) {
   Statement statement(database, "INSERT INTO key_frames (map_id, ordinal, scan) VALUES (?, ?, ?)");
   for (const PosedScan& key_frame : key_frames) {
@@ -154,7 +154,7 @@ void insert_floor_map(Database& database, std::int64_t map_id, const OccupancyGr
       .run();
 }
 
-/// Writes all key frames anew, of which there are as many as before.
+/// Writes all keyframes again; their number is that of before.
 void rewrite_key_frames(Database& database, MapRow& map, std::span<const PosedScan> key_frames) {
   Statement statement(database, "UPDATE key_frames SET scan = ? WHERE map_id = ? AND ordinal = ?");
   map.chain = {};

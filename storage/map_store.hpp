@@ -1,4 +1,4 @@
-/// \file  Named maps in SQLite: key frames (the source) and what is derived from them.
+/// \file  Named maps in SQLite: keyframes (the source) and what is derived from them.
 ///
 /// What a call has acknowledged is on disk (WAL, synchronous FULL). Every call is one transaction:
 /// on an error nothing has changed. Not synchronised: a store belongs to one thread at a time; open
@@ -29,21 +29,21 @@ struct MapInfo {
   std::string name;
   std::string description;
   std::uint64_t revision = 0;  ///< From 1 on; grows by one with every change of content or lidar.
-  std::string digest;  ///< Hex SHA-256 of the content: key frames (or grid), parameters; not of
+  std::string digest;  ///< Hex SHA-256 of the content: keyframes (or grid), parameters; not of
                        ///< names and dates.
   std::size_t key_frame_count = 0;
   std::size_t feature_count = 0;
-  bool has_floor_map = false;    ///< It was made from a floor map, not from scans.
-  std::optional<Bounds> bounds;  ///< None for a map without key frames and grid.
+  bool has_floor_map = false;    ///< It was made from an occupancy map, not from scans.
+  std::optional<Bounds> bounds;  ///< None for a map without keyframes and grid.
   std::string created;           ///< RFC 3339, UTC.
   std::string updated;
   std::string lidar_json;       ///< As given by PUT, or empty; opaque to this module.
   std::string parameters_json;  ///< As given by PUT, or empty; opaque to this module.
-  /// The key frames stand at poses of lidar odometry: their trajectory is yet to be optimised.
+  /// The keyframes stand at poses of lidar odometry: their trajectory is yet to be optimised.
   bool drifts = false;
 };
 
-/// What a map's entry says of what is derived from its content.
+/// The part of a map's entry that is derived from its content.
 struct MapOutline {
   std::size_t feature_count = 0;
   std::optional<Bounds> bounds{};
@@ -57,7 +57,7 @@ struct MapRemake {
 
 /// What POST …/scans adds in one transaction.
 struct MapGrowth {
-  std::span<const double> stamps;  ///< Of all accepted scans, key frames or not: for `duplicates`.
+  std::span<const double> stamps;  ///< Of all accepted scans, keyframes or not: for `duplicates`.
   std::span<const PosedScan> new_key_frames;  ///< In order.
   MapOutline outline{};                       ///< After the growth.
   bool drifts = false;  ///< The poses are those of lidar odometry, as MapInfo::drifts.
@@ -102,14 +102,14 @@ class MapStore {
                                                        std::span<const double> stamps);
   /// Adds to the map if it is still at `expected_revision` (else kConflict); returns the new entry.
   /// A stamp that the map already holds is kConflict too, and so is a map that was made from a
-  /// floor map. Stamps without a key frame change no content, so the revision stays.
+  /// occupancy map. Stamps without a keyframe change no content, so the revision stays.
   [[nodiscard]] Result<MapInfo> grow(std::int64_t map_id, std::uint64_t expected_revision,
                                      const MapGrowth& growth, std::string_view now);
   [[nodiscard]] Result<std::vector<PosedScan>> key_frames(std::int64_t map_id);
 
-  /// Makes a map of a floor map, or puts the floor map in place of the one that a map was made
-  /// from; returns the new entry. kConflict, and nothing changes, for a map that is not at the
-  /// expected revision or holds scans. The revision stays when it is the same floor map.
+  /// Makes a map of an occupancy map, or puts the occupancy map in place of the one that a map was
+  /// made from; returns the new entry. kConflict, and nothing changes, for a map that is not at the
+  /// expected revision or holds scans. The revision stays when it is the same occupancy map.
   [[nodiscard]] Result<MapInfo> put_floor_map(std::string_view name, const FloorMap& floor_map,
                                               std::string_view now);
   /// The map's whole source, in one snapshot.
@@ -118,17 +118,16 @@ class MapStore {
   [[nodiscard]] Result<MapInfo> restore(std::string_view name, const MapArchive& archive,
                                         const MapOutline& outline, std::string_view now);
 
-  /// The floor map as it was put; kNotFound for a map that was not made from one.
+  /// The occupancy map as it was put; kNotFound for a map that was not made from one.
   [[nodiscard]] Result<OccupancyGrid> floor_map(std::int64_t map_id);
-  /// New poses for all key frames, in their order, and what the map becomes with them; derived
+  /// New poses for all keyframes, in their order, and what the map becomes with them; derived
   /// content becomes stale. The map no longer drifts. The revision stays when nothing differs.
   [[nodiscard]] Result<MapInfo> move_key_frames(std::int64_t map_id,
                                                 std::uint64_t expected_revision,
                                                 std::span<const Pose2> T_map_base_link,
                                                 const MapOutline& outline, std::string_view now);
 
-  /// Derived content of the map if it is stored (of whatever revision); the caller compares
-  /// revisions.
+  /// Derived content of the map if it is stored, of any revision; the caller compares revisions.
   [[nodiscard]] Result<std::optional<StoredContent>> content(std::int64_t map_id);
   /// Stores derived content made from `revision`; ignored (no error) when the map has moved on or
   /// is gone. Does not change the revision; updates feature_count.

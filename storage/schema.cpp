@@ -80,7 +80,7 @@ CREATE TABLE submap_scans (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
-// The source of a map that was made from a floor map instead of scans.
+// The source of a map that was made from an occupancy map instead of scans.
 constexpr const char* kCreateMapGrids = R"sql(
 CREATE TABLE map_grids (
   map_id INTEGER PRIMARY KEY REFERENCES maps (id) ON DELETE CASCADE,
@@ -88,7 +88,7 @@ CREATE TABLE map_grids (
 ) STRICT;
 )sql";
 
-// Whether the key frames stand where lidar odometry put them.
+// Whether the keyframes stand where lidar odometry put them.
 constexpr const char* kAddDrift = R"sql(
 ALTER TABLE maps ADD COLUMN drifts INTEGER NOT NULL DEFAULT 0;
 )sql";

@@ -1,8 +1,8 @@
 /// \file  Robot sessions in SQLite, so that they survive a restart: expected sequence, last answer,
 /// localizer state.
 ///
-/// Each call is one transaction; not synchronised (one thread at a time). synchronous=NORMAL would
-/// do here and is what the session connection uses: a killed process loses nothing, a power cut may
+/// Each call is one transaction; not synchronised (one thread at a time). synchronous=NORMAL is
+/// enough and is what the session connection uses: a killed process loses nothing. A power cut may
 /// lose the last batches, which robots see as `expected` and post again.
 #pragma once
 

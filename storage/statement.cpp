@@ -12,7 +12,7 @@ BlobView Statement::blob(int column) const {
 }
 
 void Statement::set(int index, BlobView value) {
-  // SQLite refuses what is near this limit by itself; the interface cannot even tell it of more.
+  // SQLite refuses what is near this limit by itself; the interface cannot even express more.
   const std::size_t limit = std::numeric_limits<int>::max();
   statement_.bindNoCopy(index, value.data(), static_cast<int>(std::min(value.size(), limit)));
 }

@@ -4,6 +4,13 @@ file(REMOVE_RECURSE "${WORK_DIR}")
 foreach(line
     "core/src/a.cpp|#include \"server/routes.hpp\""
     "core/include/cornerfix/a.hpp|#include <opencv2/core.hpp>"
+    "core/include/cornerfix/b.hpp|#include \"core/src/map/a.hpp\""
+    "core/src/scan/a.cpp|#include \"core/src/map/a.hpp\""
+    "core/src/search/a.hpp|#include <cornerfix/localizer.hpp>"
+    "core/src/slam/a.cpp|#include \"a.hpp\""
+    "server/b.cpp|#include \"core/src/map/a.hpp\""
+    "tests/unit/core/map/a_test.cpp|#include \"evaluation/metrics/a.hpp\""
+    "bench/rivals/a.cpp|#include \"cli/log_reader.hpp\""
     "storage/a.cpp|#include <nlohmann/json.hpp>"
     "api/a.cpp|#include \"storage/database.hpp\""
     "evaluation/metrics/a.hpp|#include \"cli/log_reader.hpp\""

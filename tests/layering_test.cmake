@@ -43,6 +43,32 @@ forbid(FILES ${core} PATTERN "${include}(nlohmann|simdjson|httplib|sqlite3|SQLit
   REASON "core knows nothing of HTTP, JSON, SQL, logging and command lines")
 forbid(FILES core/include/*.hpp PATTERN "${include}(opencv2|png|yaml-cpp)"
   REASON "core's headers show Eigen and the standard library only")
+forbid(FILES core/include/*.hpp PATTERN "${include}core/" REASON "installed headers include installed headers only")
+sources(users storage api server evaluation cli)
+forbid(FILES ${users} PATTERN "${include}core/" REASON "only core, bench and tests may use what is private to core")
+
+# The layers of core/src, from the lowest to the highest, each with the public headers that it implements.
+# Settings and answers (localizer_params.hpp, answer.hpp) are below all layers.
+set(higher_layers base scan features map matching local_map acceptance search tracking localizer slam assessment)
+set(headers_of_scan corners laser_scan ray_caster)
+set(headers_of_features descriptor)
+set(headers_of_map map_image mapper)
+set(headers_of_search localization_map)
+set(headers_of_localizer localizer)
+set(headers_of_slam slam)
+set(headers_of_assessment localizability cornerfix)
+while(higher_layers)
+  list(POP_FRONT higher_layers layer)
+  sources(layer_files core/src/${layer})
+  foreach(higher IN LISTS higher_layers)
+    forbid(FILES ${layer_files} PATTERN "${include}core/src/${higher}/" REASON "${layer} is a lower layer than ${higher}")
+    foreach(header IN LISTS headers_of_${higher})
+      forbid(FILES ${layer_files} PATTERN "${include}cornerfix/${header}\\.hpp" REASON "${layer} is a lower layer than ${higher}")
+    endforeach()
+  endforeach()
+endwhile()
+forbid(FILES ${core} PATTERN "${include}[a-z_0-9]+\\.hpp\"" REASON "core includes from the repository root")
+
 forbid(FILES ${storage} PATTERN "${include}(api|server|evaluation|cli)/" REASON "storage knows core only")
 forbid(FILES ${storage} PATTERN "${include}(nlohmann|simdjson|httplib)" REASON "storage knows no JSON and no HTTP")
 forbid(FILES ${api} PATTERN "${include}(storage|server|evaluation|cli)/" REASON "api knows core only")
@@ -63,7 +89,7 @@ forbid(FILES ${all} EXCEPT "^cli/bag/decompress\\.cpp$" PATTERN "${include}(bzli
 forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httplib"
   REASON "httplib.h is for sources of server and cli, never for a header")
 forbid(FILES ${all} EXCEPT "^core/src/" PATTERN "${include}opencv2" REASON "OpenCV is for core's sources")
-forbid(FILES ${all} EXCEPT "^core/src/pose_graph.cpp$" PATTERN "${include}ceres" REASON "Ceres is for the pose graph")
+forbid(FILES ${all} EXCEPT "^core/src/slam/pose_graph.cpp$" PATTERN "${include}ceres" REASON "Ceres is for the pose graph")
 
 # The rivals of the benchmarks know core only; what they need of others is behind bench/external.
 sources(rivals bench/rivals)
@@ -72,6 +98,19 @@ forbid(FILES ${rivals} PATTERN "${include}(storage|api|server|evaluation|cli|ben
   REASON "the rivals know core only")
 forbid(FILES ${bench} EXCEPT "^bench/external/[^/]*\\.cpp$" PATTERN "${include}(opencv2|mrpt)"
   REASON "OpenCV and MRPT are for the sources of bench/external")
+
+# The tests of a module know the module, those below it, and tests/support.
+sources(core_tests tests/unit/core tests/support)
+sources(storage_tests tests/unit/storage)
+sources(api_tests tests/unit/api)
+sources(server_tests tests/unit/server)
+sources(evaluation_tests tests/unit/evaluation)
+forbid(FILES ${core_tests} PATTERN "${include}(storage|api|server|evaluation|cli|bench)/" REASON "core's tests know core only")
+forbid(FILES ${storage_tests} PATTERN "${include}(core|api|server|evaluation|cli|bench)/" REASON "storage's tests know storage and core's headers only")
+forbid(FILES ${api_tests} PATTERN "${include}(core|storage|server|evaluation|cli|bench)/" REASON "api's tests know api and core's headers only")
+forbid(FILES ${server_tests} PATTERN "${include}(core|evaluation|cli|bench)/" REASON "the server's tests know neither scores nor the command line")
+forbid(FILES ${evaluation_tests} PATTERN "${include}(core|storage|api|server|cli|bench)/"
+  REASON "the tests of evaluation know evaluation and core's headers only")
 
 # The page: one file talks to the server, one draws.
 forbid(FILES web/*.js EXCEPT "api_client\\.js$" PATTERN "(fetch\\(|EventSource|XMLHttpRequest)"

@@ -14,6 +14,7 @@
 #include "bench/rivals/search_rival.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
+#include "core/src/search/map_index.hpp"
 #endif
 
 namespace cornerfix::bench {
@@ -72,15 +73,17 @@ Contestant rival(const std::string& name, std::size_t map_bytes, const Localizat
 Contestant by_search(const std::string& name, std::size_t map_bytes, const LocalizationMapPtr& map,
                      const Search& search) {
   return {name, map_bytes, [map, search](const cli::LogScan& first, ScanTimes& times) {
-            return scored(std::make_unique<SearchRival>(search(first), map->field()), map, times);
+            return scored(std::make_unique<SearchRival>(search(first), map->index().field), map,
+                          times);
           }};
 }
 
-std::size_t field_bytes(const LocalizationMapPtr& map) { return map->field().steps().size(); }
+std::size_t field_bytes(const LocalizationMapPtr& map) { return map->index().field.steps().size(); }
 
 Contestant amcl(const std::string& name, const LocalizationMapPtr& map, const AmclParams& params) {
-  return rival(name, field_bytes(map) + map->grid().cells.size(), map,
-               [map, params] { return std::make_unique<Amcl>(map->grid(), map->field(), params); });
+  return rival(name, field_bytes(map) + map->grid().cells.size(), map, [map, params] {
+    return std::make_unique<Amcl>(map->grid(), map->index().field, params);
+  });
 }
 
 std::shared_ptr<const BranchAndBoundMatcher> pyramid(const MappedBuilding& building) {
@@ -122,7 +125,7 @@ Contestant cartographer_window(const std::string& name, const MappedBuilding& bu
 
 Contestant correlative_icp(const std::string& name, const MappedBuilding& building) {
   const LocalizationMapPtr map = building.map;
-  const auto search = std::make_shared<const CorrelativeSearch>(map->grid(), map->field());
+  const auto search = std::make_shared<const CorrelativeSearch>(map->grid(), map->index().field);
   return by_search(name, field_bytes(map) + search->bytes(), map,
                    [search](const cli::LogScan&) -> ScanSearch {
                      return [search](std::span<const Point2> ends) { return search->find(ends); };
@@ -131,7 +134,7 @@ Contestant correlative_icp(const std::string& name, const MappedBuilding& buildi
 
 Contestant published_rma(const std::string& name, const MappedBuilding& building) {
   const LocalizationMapPtr map = building.vfp_map;
-  return rival(name, map->descriptor_index().bytes() + field_bytes(map), map,
+  return rival(name, map->index().descriptor_index.bytes() + field_bytes(map), map,
                [map] { return std::make_unique<PublishedRma>(map, PublishedRmaParams{}); });
 }
 
@@ -198,7 +201,7 @@ LocalizationMapPtr build_map(const std::string& name, const std::vector<PosedSca
 MappedBuilding map_building(std::string name, const std::vector<PosedScan>& key_frames,
                             std::vector<PosedScan> grid_scans) {
   MappedBuilding building;
-  building.map = build_map(name, key_frames, CornerExtractor::kTwoArm);
+  building.map = build_map(name, key_frames, CornerExtractor::kLineIntersection);
   building.vfp_map = build_map(name, key_frames, CornerExtractor::kVfp);
   building.name = std::move(name);
   building.grid_scans = std::move(grid_scans);

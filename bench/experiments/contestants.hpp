@@ -16,19 +16,19 @@ namespace cornerfix::bench {
 /// The building as all contestants know it.
 struct MappedBuilding {
   std::string name;
-  LocalizationMapPtr map;             ///< With two-arm corners: the default.
+  LocalizationMapPtr map;             ///< With line-intersection corners: the default.
   LocalizationMapPtr vfp_map;         ///< With the paper's corners.
   std::vector<PosedScan> grid_scans;  ///< What Cartographer would put into its grid.
 };
 
-/// Makes both maps of key frames.
+/// Makes both maps of keyframes.
 [[nodiscard]] MappedBuilding map_building(std::string name,
                                           const std::vector<PosedScan>& key_frames,
                                           std::vector<PosedScan> grid_scans);
 
 /// What each scan cost that a robot worked on, of all robots of one contestant.
 struct ScanTimes {
-  std::vector<double> searching_ms;  ///< Until the fix.
+  std::vector<double> searching_ms;  ///< Until localized.
   std::vector<double> tracking_ms;   ///< After it.
   std::size_t robot_bytes = 0;       ///< The most that a robot kept for itself.
 };

@@ -1,5 +1,5 @@
-/// \file  Section 4.2, tables 1-3, figure 7: corners of a scan by the paper's method, by two arms
-/// and by the paper's rivals, in the paper's room and in random ones.
+/// \file  Section 4.2, tables 1-3, figure 7: corners of a scan by the paper's method, by line
+/// intersection and by the paper's baselines, in the paper's room and in random ones.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <cornerfix/corner_extractor.hpp>
-#include <cornerfix/feature_map.hpp>
-#include <cornerfix/vfp_corners.hpp>
+#include <cornerfix/corners.hpp>
 
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
@@ -19,6 +17,8 @@
 #include "support/scan_simulator.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/image_corners.hpp"
+#include "core/src/features/feature_map.hpp"
+#include "core/src/scan/vfp_corners.hpp"
 #endif
 
 namespace cornerfix::bench {
@@ -44,7 +44,9 @@ std::vector<Method> methods() {
   return {
       {"vfp", [](const LaserScan& scan) { return extract_corners(scan, CornerExtractor::kVfp); }},
       {"two_arm",
-       [](const LaserScan& scan) { return extract_corners(scan, CornerExtractor::kTwoArm); }},
+       [](const LaserScan& scan) {
+         return extract_corners(scan, CornerExtractor::kLineIntersection);
+       }},
       {"loam",
        [](const LaserScan& scan) {
          return extract_loam_corners(scan, vfp_params_for(scan.angle_increment));
@@ -71,10 +73,10 @@ Place paper_room(std::uint64_t seed) {
 Place random_room(std::uint64_t seed) { return {testing::random_room(seed), {}}; }
 
 struct Counts {
-  std::size_t found = 0;        ///< Corners that were told.
+  std::size_t found = 0;        ///< Corners that were found.
   std::size_t found_right = 0;  ///< Of these, near one of the room.
   std::size_t seen = 0;         ///< Corners of the room that must be found.
-  std::size_t seen_found = 0;   ///< Of these, with one told near it.
+  std::size_t seen_found = 0;   ///< Of these, with one found near it.
   double extract_ms = 0.0;
   double suppress_ms = 0.0;
 

@@ -1,4 +1,4 @@
-/// \file  Which map am I in? A robot that is told its map, and the same robot among many: all other
+/// \file  Which map am I in? A robot with a given map, and the same robot among many: all other
 /// buildings, their mirror images and parts of them, and the mirror image of its own.
 #include <algorithm>
 #include <iterator>
@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/map_image.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"

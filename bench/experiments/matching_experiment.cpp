@@ -8,14 +8,13 @@
 #include <string>
 #include <vector>
 
-#include <cornerfix/descriptor_matcher.hpp>
-#include <cornerfix/pose_estimator.hpp>
-#include <cornerfix/triangle_index.hpp>
-
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
 #include "bench/experiments/processor_time.hpp"
 #include "bench/experiments/statistics.hpp"
+#include "core/src/matching/descriptor_matcher.hpp"
+#include "core/src/matching/pose_estimator.hpp"
+#include "core/src/matching/triangle_index.hpp"
 #include "support/feature_fields.hpp"
 
 namespace cornerfix::bench {

@@ -1,4 +1,4 @@
-/// \file  Processor time of this thread: what work costs, whatever else the machine does.
+/// \file  Processor time of this thread: what work costs, independent of other load.
 #pragma once
 
 #include <ctime>

@@ -1,5 +1,5 @@
 /// \file  Section 4.5, figure 12, tables 4-5: robots switched on all over a building, each method
-/// on the same starts, scans, odometry and mapping drive, on one thread.
+/// on the same starts, scans, odometry and mapping run, on one thread.
 #include <algorithm>
 #include <memory>
 #include <numeric>
@@ -21,7 +21,7 @@ struct RobotsArguments {
   std::vector<std::string> methods = contestant_names();
   std::size_t starts = 50;
   double near_m = 1.0;    ///< Starts farther from every mapping pose are left out.
-  double way_m = 20.0;    ///< Driving allowed until the fix.
+  double way_m = 20.0;    ///< Driving allowed until localized.
   double time_s = 180.0;  ///< The paper's limit, for driving and for computing.
   std::filesystem::path out = ".";
 };
@@ -30,8 +30,8 @@ double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// The robot, which says nothing more once its search has taken longer than allowed; the scan in
-/// which the time ran out counts.
+/// The robot, which gives no more answers once its search has taken longer than allowed. The scan
+/// in which the time ran out counts.
 cli::ScoredRobot in_time(cli::ScoredRobot robot, const ScanTimes& times, double allowed_s) {
   return [robot = std::move(robot), &times, allowed_s, counted = times.searching_ms.size(),
           spent_ms = 0.0](const RobotScan& scan) mutable {

@@ -14,6 +14,7 @@
 #include "bench/rivals/amcl.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
+#include "core/src/search/map_index.hpp"
 #endif
 
 namespace cornerfix::bench {
@@ -29,7 +30,7 @@ struct TrackingArguments {
   std::filesystem::path out = ".";
 };
 
-/// What was said of scans for which a pose was known.
+/// Answers for scans whose pose was known.
 struct Tracked {
   std::vector<double> ms;
   std::size_t right = 0;
@@ -116,7 +117,7 @@ class TrackingExperiment {
   [[nodiscard]] Tracked track_by_amcl(const AmclParams& params) const {
     return track_by_rival([&](const Pose2& start) {
       const LocalizationMap& map = *building_.mapped.map;
-      auto amcl = std::make_unique<Amcl>(map.grid(), map.field(), params);
+      auto amcl = std::make_unique<Amcl>(map.grid(), map.index().field, params);
       amcl->set_pose(start);
       return amcl;
     });

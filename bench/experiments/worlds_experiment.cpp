@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/corner_extractor.hpp>
+#include <cornerfix/corners.hpp>
 
 #include "bench/experiments/contestants.hpp"
 #include "bench/experiments/csv_file.hpp"
@@ -150,7 +150,7 @@ class WorldsExperiment {
     const cli::RecordedLog log =
         record(kind, testing::drive(world.now, robot, way_through(world, yaw), seed));
     const std::size_t corners =
-        extract_corners(log.scans.front().scan, CornerExtractor::kTwoArm).size();
+        extract_corners(log.scans.front().scan, CornerExtractor::kLineIntersection).size();
     for (const std::string& method : arguments_.methods) {
       const Contestant contestant = make_contestant(method, building);
       ScanTimes times;

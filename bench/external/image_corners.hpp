@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <cornerfix/feature_map.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/laser_scan.hpp>
 
 namespace cornerfix::bench {

@@ -22,7 +22,7 @@ namespace {
 // Of a scan, as many as its default takes of 180: more, which are no independent witnesses, make it
 // too sure.
 constexpr std::size_t kBeamsTaken = 36;
-constexpr double kKnownPosition = 0.5;  // [m] of a pose that is told
+constexpr double kKnownPosition = 0.5;  // [m] of a known pose
 // Widths of where it may be at a known start.
 constexpr double kStartPosition = 0.5;  // [m]
 constexpr double kStartYaw = std::numbers::pi / 12.0;

@@ -40,8 +40,9 @@ class MrptMap {
 
 /// CMonteCarloLocalization2D with KLD sampling and its default likelihood field of Thrun. Starts
 /// all over the free space, or about a known pose: anywhere within 0.25 m and 7.5 deg of it. The
-/// pose is told once the particles are no wider than 0.5 m, and from then on always. MRPT keeps its
-/// random numbers in one place, and how many beams it takes in the map: one such robot at a time.
+/// pose is given once the particles are no wider than 0.5 m, and from then on always. MRPT keeps
+/// its random numbers in one place, and how many beams it takes in the map: one such robot at a
+/// time.
 [[nodiscard]] std::unique_ptr<Rival> make_mrpt_localizer(
     std::shared_ptr<const MrptMap> map, const MrptParams& params,
     const std::optional<Pose2>& T_map_base_link = {});

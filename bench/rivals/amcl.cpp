@@ -119,7 +119,7 @@ void Amcl::move(const Pose2& before, const Pose2& now) {
 }
 
 /// Thrun et al. 2005, table 6.3, the likelihood field, with the cubed sum of ROS's AMCL for the
-/// product; then the averages of table 8.3 that tell when it is lost.
+/// product. Then the averages of table 8.3 that show when it is lost.
 void Amcl::weigh(const RobotScan& scan) {
   const auto beams = static_cast<int>(scan.scan.ranges.size());
   const int step = std::max(1, (beams - 1) / std::max(1, params_.laser_max_beams - 1));

@@ -1,9 +1,9 @@
 /// \file  ROS AMCL: adaptive Monte Carlo localization with the likelihood-field model.
 ///
 /// Fox 2001 (KLD sampling) and Thrun, Burgard, Fox 2005 (tables 5.6, 6.3 and 8.3), with the
-/// algorithm, the parameter names and the defaults of ROS's `amcl`; where this differs from a
-/// default it says so. Its own sampler walks the whole set for each particle that it draws;
-/// `linear_resampling` false looks it up instead.
+/// algorithm, the parameter names and the defaults of ROS's `amcl`. Other defaults are marked. Its
+/// own sampler walks the whole set for each particle that it draws; `linear_resampling` false looks
+/// it up instead.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 #include <span>
 #include <vector>
 
-#include <cornerfix/distance_field.hpp>
 #include <cornerfix/occupancy_grid.hpp>
 
 #include "bench/rivals/rival.hpp"
 #include "bench/rivals/robot_motion.hpp"
+#include "core/src/map/distance_field.hpp"
 
 namespace cornerfix::bench {
 
@@ -33,7 +33,7 @@ struct AmclParams {
   double odom_alpha2 = 0.05;
   double odom_alpha3 = 0.05;
   double odom_alpha4 = 0.05;
-  int laser_max_beams = 60;  ///< ROS: 30; more tell more.
+  int laser_max_beams = 60;  ///< ROS: 30; more constrain more.
   double laser_z_hit = 0.95;
   double laser_z_rand = 0.05;
   double laser_sigma_hit = 0.2;            ///< [m]
@@ -49,9 +49,9 @@ struct ParticleCluster {
   Pose2 deviation;  ///< Standard deviations of x, y [m] and yaw [rad].
 };
 
-/// One robot in one map. The pose is the mean of the heaviest cluster. It is told once that cluster
-/// has 0.95 of the weight and is no wider than 0.5 m, and from then on always. (ROS's AMCL tells it
-/// from the first scan on; what it calls converged looks at positions only, too.)
+/// One robot in one map. The pose is the mean of the heaviest cluster. It is given once that
+/// cluster has 0.95 of the weight and is no wider than 0.5 m, and from then on always. (ROS's AMCL
+/// gives it from the first scan on; its test of convergence uses positions only, too.)
 class Amcl : public Rival {
  public:
   /// `grid` and `field` must outlive it. Starts with particles all over the free space.

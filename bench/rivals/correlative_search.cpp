@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <cornerfix/scan_refiner.hpp>
+#include "core/src/matching/scan_refiner.hpp"
 
 namespace cornerfix::bench {
 namespace {

@@ -10,8 +10,9 @@
 #include <span>
 #include <vector>
 
-#include <cornerfix/distance_field.hpp>
 #include <cornerfix/occupancy_grid.hpp>
+
+#include "core/src/map/distance_field.hpp"
 
 namespace cornerfix::bench {
 

@@ -6,9 +6,10 @@
 
 #include <vector>
 
-#include <cornerfix/feature_map.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/laser_scan.hpp>
-#include <cornerfix/vfp_corners.hpp>
+
+#include "core/src/scan/vfp_corners.hpp"
 
 namespace cornerfix::bench {
 

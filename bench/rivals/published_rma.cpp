@@ -3,9 +3,9 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/scan_refiner.hpp>
-
 #include "bench/rivals/robot_motion.hpp"
+#include "core/src/matching/scan_refiner.hpp"
+#include "core/src/search/map_index.hpp"
 
 namespace cornerfix::bench {
 
@@ -24,8 +24,8 @@ RivalAnswer PublishedRma::process(const RobotScan& scan) {
   const std::optional<Pose2> T_map_submap = match_map();
   if (!T_map_submap) return {};
   const Pose2 initial = *T_map_submap * T_submap_base_link_;  // eq. (17)
-  const Pose2 refined = refine_pose(map_->field(), ends, initial, {}).T_frame_base_link;
-  follower_.emplace(map_->field(), refined);
+  const Pose2 refined = refine_pose(map_->index().field, ends, initial, {}).T_frame_base_link;
+  follower_.emplace(map_->index().field, refined);
   return {refined, true};
 }
 
@@ -39,7 +39,7 @@ Pose2 PublishedRma::match_submap(const Pose2& motion, std::span<const Point2> en
 /// 16).
 std::optional<Pose2> PublishedRma::match_map() const {
   const std::vector<Feature>& features = submap_.features();
-  const DescriptorIndex& global = map_->descriptor_index();
+  const DescriptorIndex& global = map_->index().descriptor_index;
   const DescriptorSet local = describe(features, global.params());
   const auto matches = match_sampled(local, global, params_.min_votes, 1, params_.sampling);
   if (matches.empty()) return std::nullopt;

@@ -9,19 +9,19 @@
 #include <optional>
 #include <span>
 
-#include <cornerfix/corner_extractor.hpp>
-#include <cornerfix/descriptor_matcher.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/localization_map.hpp>
-#include <cornerfix/pose_estimator.hpp>
-#include <cornerfix/submap.hpp>
 
 #include "bench/rivals/rival.hpp"
 #include "bench/rivals/search_rival.hpp"
+#include "core/src/local_map/submap.hpp"
+#include "core/src/matching/descriptor_matcher.hpp"
+#include "core/src/matching/pose_estimator.hpp"
 
 namespace cornerfix::bench {
 
 struct PublishedRmaParams {
-  int min_votes = 6;              ///< S_t of algorithm 3; the paper does not tell its value.
+  int min_votes = 6;              ///< S_t of algorithm 3; the paper does not give its value.
   SampledMatchParams sampling{};  ///< p and N/N_local of eq. (18).
   PoseEstimatorParams estimator{};
 };

@@ -1,4 +1,4 @@
-/// \file  What odometry says of a robot's motion, and whether it is worth a look at the scan.
+/// \file  A robot's motion by odometry, and whether it is enough to use the scan.
 #pragma once
 
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/scan_refiner.hpp>
+#include "core/src/matching/scan_refiner.hpp"
 
 namespace cornerfix::bench {
 

@@ -5,14 +5,13 @@
 #include <optional>
 #include <span>
 
-#include <cornerfix/distance_field.hpp>
-
 #include "bench/rivals/rival.hpp"
 #include "bench/rivals/robot_motion.hpp"
+#include "core/src/map/distance_field.hpp"
 
 namespace cornerfix::bench {
 
-/// Where a single scan, of which these are the ends of the beams in base_link, was taken.
+/// Where a single scan with these hits in base_link was taken.
 using ScanSearch = std::function<std::optional<Pose2>(std::span<const Point2>)>;
 
 /// Follows a robot from a known pose: Gauss-Newton on the distance to the walls, from where

@@ -17,8 +17,8 @@ namespace {
 
 Error damaged(std::string message) { return {ErrorCode::kMalformed, std::move(message), ""}; }
 
-/// Output that grows block by block up to the size that was told and one byte more, by which too
-/// much is noticed.
+/// Output that grows block by block up to the stated size and one byte more, so that too much is
+/// noticed.
 class Output {
  public:
   explicit Output(std::size_t told) : limit_(told + 1) {}

@@ -1,4 +1,4 @@
-/// \file  The messages of a drive, of ROS 1 and ROS 2 alike, as far as they are of use here.
+/// \file  The messages of a run, of ROS 1 and ROS 2 alike, as far as they are of use here.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -56,7 +56,7 @@ class SqliteBag final : public MessageSource {
   [[nodiscard]] std::vector<BagTopic> topics() const override { return channels_.topics(); }
 
  private:
-  /// SQLite does not tell where in the file a row lies.
+  /// SQLite does not give the place of a row in the file.
   [[nodiscard]] std::string place() const { return "message " + std::to_string(id_); }
 
   std::optional<RecordedMessage> message_in_row(const Channel& channel, LogFaults& faults) {

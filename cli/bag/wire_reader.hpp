@@ -15,7 +15,7 @@ namespace cornerfix::cli {
 
 enum class WireFormat {
   kRos1,  ///< Little-endian and packed; so are the records of both kinds of bags.
-  kCdr,   ///< OMG's Common Data Representation: four bytes that tell the byte order, then aligned.
+  kCdr,   ///< OMG's Common Data Representation: four bytes with the byte order, then aligned.
 };
 
 /// Never reads past the end: there it gives zeros and is not ok() from then on, so that a whole

@@ -1,4 +1,4 @@
-// Any bytes are a log, or no log, of any kind: they tell themselves by what they begin with.
+// Any bytes are a log, or no log, of any kind: the first bytes decide.
 // Reading them must end, in bounds and in little memory, and what comes out must be scans.
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // Any bytes are an archive of a map, or none. Reading them must end, in bounds and in little
-// memory, and what comes out has the digest that it tells.
+// memory, and what comes out has the digest that it states.
 #include <cstdint>
 #include <cstdlib>
 #include <span>

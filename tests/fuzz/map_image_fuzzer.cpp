@@ -1,4 +1,4 @@
-// A yaml, a zero byte, an image: any bytes are a floor map, or none. Reading them must end, in
+// A yaml, a zero byte, an image: any bytes are an occupancy map, or none. Reading them must end, in
 // bounds and in little memory; what is read can be written and read again.
 #include <cornerfix/map_image.hpp>
 

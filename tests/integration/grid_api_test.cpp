@@ -1,4 +1,4 @@
-// Maps from floor maps, and maps as archives, against the real server.
+// Maps from occupancy maps, and maps as archives, against the real server.
 #include <gmock/gmock.h>
 
 #include <cornerfix/map_image.hpp>

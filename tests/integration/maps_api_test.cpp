@@ -235,7 +235,7 @@ TEST_F(MapsApiTest, KeepsTheDigestOfTheSameContent) {
   EXPECT_THAT(entry("one")["digest"].get<std::string>(), Not(IsEmpty()));
 }
 
-/// A batch of a drive without poses.
+/// A batch of a run without poses.
 Json unposed_batch(const testing::RobotDrive& drive, std::size_t begin, std::size_t count) {
   Json batch = testing::session_batch(drive, begin / count, count);
   batch.erase("sequence");

@@ -14,7 +14,7 @@
 
 namespace cornerfix::testing {
 
-/// Features a square metre, as in the measurements of docs/algorithm.md.
+/// Features a square metre, as in the measurements of docs/results.md, "Matching".
 constexpr double kFeatureDensity = 0.0177;
 
 /// `count` features in a square.
@@ -28,7 +28,7 @@ struct SubmapOfField {
   Pose2 T_map_submap;
 };
 
-/// What a robot sees around a random place: of the `count` features of the map that are nearest the
+/// What a robot sees around a random place. Of the `count` nearest features of the map it is the
 /// share `overlap`, each displaced by noise, and as many strange ones as are missing.
 [[nodiscard]] inline SubmapOfField submap_of_field(const std::vector<Feature>& map,
                                                    std::size_t count, double overlap,

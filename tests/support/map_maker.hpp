@@ -1,4 +1,4 @@
-/// \file  Maps of scenes, made as a mapping drive makes them.
+/// \file  Maps of scenes, made as a mapping run makes them.
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,7 @@ namespace cornerfix::testing {
     const std::pair<int, int> steps[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     for (const auto& [dx, dy] : steps) {
       const Point2 there = start + spacing_m * Point2(column + dx, row + dy);
-      // A point in a wall has no clearance that rays could tell: stop before it.
+      // A point in a wall has no clearance that rays could measure: stop before it.
       if (scene.range(here, std::atan2(dy, dx)) < spacing_m + clearance_m) continue;
       if (clearance(scene, there) < clearance_m) continue;
       if (visited.insert({column + dx, row + dy}).second) open.emplace_back(column + dx, row + dy);

@@ -1,12 +1,12 @@
-/// \file  Maps of scenes drawn into a floor map, as imported ones are.
+/// \file  Maps of scenes drawn into an occupancy map, as imported ones are.
 #pragma once
 
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include <cornerfix/grid_mapping.hpp>
 #include <cornerfix/localization_map.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "support/drawn_grid.hpp"
 
@@ -22,7 +22,7 @@ namespace cornerfix::testing {
   return scene;
 }
 
-/// Walls far apart, a niche that tells one corner from the others.
+/// Walls far apart, a niche that distinguishes one corner from the others.
 [[nodiscard]] inline SceneBuilder bare_hall() {
   return SceneBuilder().room({0, 0}, {40, 20}).box({1.0, 19.0}, {2.0, 2.0});
 }

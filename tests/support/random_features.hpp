@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <cornerfix/feature_map.hpp>
+#include <cornerfix/corners.hpp>
 
 namespace cornerfix::testing {
 

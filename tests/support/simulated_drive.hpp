@@ -20,7 +20,7 @@ struct Robot {
   Lidar lidar{.beams = 240, .noise_m = 0.01};
   Pose2 T_base_link_laser{};
   bool has_odometry = true;
-  double odometry_scale = 1.0;  ///< Metres and radians told for one that was driven.
+  double odometry_scale = 1.0;  ///< Metres and radians reported per one that was driven.
 };
 
 /// A scan with the pose it was taken at.

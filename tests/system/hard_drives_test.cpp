@@ -1,5 +1,5 @@
-// What goes wrong with real robots, each by its name: simulated drives through a real floor plan,
-// asked of the localizer itself. Whatever happens, a pose that is said must be the true one.
+// What goes wrong with real robots, each by its name: simulated runs through a real floor plan,
+// given to the localizer itself. In all cases, an accepted pose must be the true one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ Outcome outcome_of(const std::vector<Moment>& moments) {
 
 using Trouble = std::function<void(std::vector<Moment>&, std::mt19937_64&)>;
 
-/// Every drive ends with the robot knowing where it is, and none was ever told a wrong pose.
+/// Every run ends with a localized robot, and no answer has a wrong pose.
 void expect_found(const DriveOptions& options, const Trouble& trouble = {}) {
   for (const std::uint64_t seed : kSeeds) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -104,7 +104,7 @@ void expect_found(const DriveOptions& options, const Trouble& trouble = {}) {
   }
 }
 
-/// What odometry tells of the way between scans, told otherwise.
+/// The motion between scans by odometry, changed.
 void retell_odometry(std::vector<Moment>& moments,
                      const std::function<Pose2(const Pose2&)>& retell) {
   Pose2 T_before = *moments.front().scan.T_odom_base_link;

@@ -13,6 +13,10 @@ run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/docs/examples/localize_offline -B
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/example)
 run(${WORK_DIR}/example/localize_offline ${SOURCE_DIR}/tests/data/willow_full_0.05.yaml)
 
+run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE_DIR}/tests/system/installed_package -B ${WORK_DIR}/package
+  -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_FLAGS=${CXX_FLAGS} -D README=${SOURCE_DIR}/README.md)
+run(${CMAKE_COMMAND} --build ${WORK_DIR}/package)
+
 run(${prefix}/bin/cornerfix --help)
 if(NOT EXISTS ${prefix}/share/cornerfix/web/index.html)
   message(FATAL_ERROR "the inspector was not installed")

@@ -1,4 +1,4 @@
-// Robots switched on all over recorded drives of real buildings, where these are at hand.
+// Robots switched on all over recorded runs of real buildings, where these are at hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ constexpr const char* kSkipped =
     "folder above logs/ in CORNERFIX_DATA";
 
 struct Counts {
-  std::size_t starts = 0;  ///< In mapped places, with enough of the log left to tell.
+  std::size_t starts = 0;  ///< In mapped places, with enough of the log left to decide.
   std::size_t fixed = 0;
   std::size_t wrong = 0;
 };

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include <cornerfix/feature_map.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/result.hpp>
 
 namespace cornerfix {

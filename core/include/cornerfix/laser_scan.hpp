@@ -1,8 +1,10 @@
-/// \file  One sweep of a 2D lidar, with the fields of ROS sensor_msgs/LaserScan.
+/// \file  One sweep of a 2D lidar, with the fields of ROS sensor_msgs/LaserScan, and its correction
+/// for motion during the sweep.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -44,11 +46,19 @@ struct RobotScan {
   std::optional<Pose2> T_odom_base_link;  ///< Odometry at the stamp, when there is any.
 };
 
-/// A scan of a mapping drive.
+/// A scan of a mapping run.
 struct PosedScan {
   LaserScan scan;
   Pose2 T_base_link_laser;
   Pose2 T_map_base_link;
+};
+
+/// A scan that a localizer keeps in its local map, the submap.
+struct SubmapScan {
+  std::uint64_t index = 0;  ///< Counts the scans kept since the reset, so it is a stable key.
+  LaserScan scan;
+  Pose2 T_base_link_laser;
+  Pose2 T_submap_base_link;
 };
 
 /// The first field that no lidar can have (not finite but range_max, range_max <= range_min,
@@ -57,5 +67,23 @@ struct PosedScan {
 
 /// The returns as points in `laser` [m], in beam order. O(beams).
 [[nodiscard]] std::vector<Point2> returns_as_points(const LaserScan& scan);
+
+/// How a laser moved while it took a scan.
+struct ScanMotion {
+  Pose2 T_begin_end;     ///< From the scan's stamp on, for `seconds`; at constant speed.
+  double seconds = 0.0;  ///< > 0.
+  /// From beam to beam [s], as in sensor_msgs/LaserScan: the first beam is taken at the stamp. If
+  /// it is negative, the beams were taken in reverse and the last one at the stamp.
+  double time_increment = 0.0;
+};
+
+/// Whether a robot may move so fast: 10 m/s, 10 rad/s.
+[[nodiscard]] bool is_plausible(const ScanMotion& motion);
+
+/// The scan as a laser would have taken it that stands where this one was at its stamp. Turning
+/// changes the angle increment. Driving moves returns to other beams. The nearest return of a beam
+/// stays. A single beam without any gets the mean of its neighbours if they are of one surface. A
+/// scan whose increment would vanish or change its sign comes back as it is. O(beams).
+[[nodiscard]] LaserScan straightened(const LaserScan& scan, const ScanMotion& motion);
 
 }  // namespace cornerfix

@@ -6,105 +6,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
-#include <cornerfix/acceptance.hpp>
+#include <cornerfix/answer.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer_params.hpp>
-#include <cornerfix/submap.hpp>
 
 namespace cornerfix {
-
-enum class Status {
-  kCollecting,  ///< Not enough seen yet; `reason` says what is missing.
-  kAmbiguous,   ///< More than one place fits; they are in `hypotheses`, best first.
-  kLocalized,   ///< `pose` is the pose at the last scan and may be trusted.
-  /// It was localized and the scans no longer fit; the search is on again. Also for a single scan
-  /// that fits neither the local map nor the map: the pose returns with the same epoch.
-  kLost,
-};
-
-/// What is missing while collecting or lost. The wire names are in to_string().
-enum class Reason {
-  kNone,
-  kNoReturns,                 ///< The scans hold no usable return.
-  kFewFeatures,               ///< Too few corners seen to look for the place.
-  kNoMotion,                  ///< Standing still adds nothing new: drive on.
-  kNoMatch,                   ///< No place in the maps fits what was seen.
-  kFewEvidence,               ///< A place fits, but too little was seen to be sure.
-  kContradicted,              ///< The best place is contradicted by what was seen.
-  kOdometryContradictsScans,  ///< As kContradicted, and odometry is ignored.
-  kSearching,  ///< The search of the maps continues at the next scan.
-};
-
-/// How far the answer relied on the robot's odometry.
-enum class OdometryUse {
-  kNone,          ///< The scans came without odometry.
-  kUsed,          ///< It agrees with scan matching.
-  kWeightedDown,  ///< Its errors are larger than those of usual wheel odometry.
-  kIgnored,       ///< It contradicts scan matching.
-};
-
-/// Why a pose that was `localized` was withdrawn at this scan.
-enum class Withdrawal {
-  kNone,
-  kScansLost,     ///< The scans no longer continue the local map: the robot was carried.
-  kContradicted,  ///< The scans contradict the map at this pose.
-  kRival,         ///< Another pose explains the scans better.
-};
-
-[[nodiscard]] std::string_view to_string(OdometryUse use);
-[[nodiscard]] std::string_view to_string(Withdrawal withdrawal);
-[[nodiscard]] std::string_view to_string(Status status);
-[[nodiscard]] std::string_view to_string(Reason reason);
-
-/// A ranked candidate. `T_map_base_link` is the pose at the last scan if the candidate is true.
-struct RankedHypothesis {
-  LocalizationMapPtr map;
-  Pose2 T_map_base_link;
-  int votes = 0;           ///< Descriptor votes (eq. 15) behind it.
-  int inliers = 0;         ///< Correspondences that RANSAC kept (eq. 16).
-  double score = 0.0;      ///< Share of the local points that the map explains, in [0, 1].
-  EvidenceScore evidence;  ///< What the submap's scans say of it.
-};
-
-struct LocalizedPose {
-  LocalizationMapPtr map;
-  Pose2 T_map_base_link;
-  std::array<double, 9> covariance{};  ///< Row-major x y yaw [m, rad].
-  /// Rises by one at each acceptance, when the pose is not continuous with those before. Survives
-  /// reset().
-  std::uint64_t epoch = 0;
-  bool confirmed = false;  ///< Evidence seen after the acceptance, on new ground, agrees.
-};
-
-/// Milliseconds spent a step, by the clock handed to the localizer; zeros without one.
-struct StepTimes {
-  double odometry_ms = 0.0;
-  double extract_ms = 0.0;
-  double match_ms = 0.0;
-  double verify_ms = 0.0;
-  double track_ms = 0.0;
-  double total_ms = 0.0;
-};
-
-struct Answer {
-  Status status = Status::kCollecting;
-  std::optional<LocalizedPose> pose;  ///< Only when localized. Never stale, never made up.
-  double confidence = 0.0;            ///< Probability that the best hypothesis is right, in [0, 1].
-  std::vector<RankedHypothesis> hypotheses;  ///< Best first.
-  Reason reason = Reason::kNone;
-  AcceptanceTerms terms;  ///< What the decision on the best hypothesis weighed last.
-  OdometryUse odometry = OdometryUse::kNone;
-  Withdrawal withdrawal = Withdrawal::kNone;  ///< Of a pose, at this scan.
-  bool searched = false;     ///< Whether this scan made it look at all places of all maps.
-  int local_scans = 0;       ///< Scans in the submap.
-  int local_features = 0;    ///< Features of the submap.
-  Pose2 T_submap_base_link;  ///< Pose at the last scan in the submap.
-  StepTimes times;
-};
 
 /// What a localizer remembers: enough to go on in another process. Hypotheses are not kept; the
 /// next scan that joins the submap makes them anew.
@@ -124,7 +33,7 @@ struct LocalizerState {
   Pose2 T_map_submap;         ///< Valid while tracked_map >= 0.
   int misfits = 0;            ///< Consecutive scans that did not fit while localized.
   double misfit_way_m = 0.0;  ///< Driven since a scan fitted.
-  /// Row-major, of x, y, yaw; all zeros: that of a new fix.
+  /// Row-major, of x, y, yaw; all zeros: that of a newly accepted pose.
   std::array<double, 9> tracking_covariance{};
   std::optional<double> usual_fit;    ///< Share of a scan's ends that are on walls where mapped.
   std::optional<double> usual_share;  ///< Share of a scan's points that match the submap.

@@ -5,9 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include <cornerfix/corner_extractor.hpp>
-#include <cornerfix/descriptor_matcher.hpp>
-#include <cornerfix/pose_estimator.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/result.hpp>
 
 namespace cornerfix {
@@ -22,21 +20,41 @@ enum class Method {
 [[nodiscard]] std::string_view to_string(Method method);
 [[nodiscard]] std::optional<Method> method_from_string(std::string_view name);
 
+/// Of the random match (rma): p and N / N_local of eq. (18).
+struct SampledMatchParams {
+  double success_probability = 0.95;  ///< p; in (0, 1).
+  double overlap = 0.5;               ///< N / N_local expected; in (0, 1].
+  std::uint64_t seed = 1;             ///< Same seed and input give the same draws.
+};
+
+[[nodiscard]] std::optional<Error> validate(const SampledMatchParams& params);
+
+/// Limits of the consensus search of rma and nma (docs/method/11-parameters.md).
+struct PoseEstimatorParams {
+  double inlier_distance_m = 0.30;  ///< Largest residual of an inlier; > 0.
+  int min_inliers = 4;              ///< Fewer than this is no pose; >= 2.
+  int max_iterations = 100;         ///< Sampled pairs at most; >= 1.
+  std::uint64_t seed = 1;           ///< Same seed and input give the same answer.
+};
+
+[[nodiscard]] std::optional<Error> validate(const PoseEstimatorParams& params);
+
 /// When a candidate pose is accepted.
 struct AcceptanceParams {
   double min_probability = 0.995;  ///< Of the calibrated model; in (0, 1).
   double min_gap = 3.0;        ///< Log-likelihood less that of the best other place [nat]; >= 0.
-  double min_mean_gap = 0.02;  ///< The same a beam end: identical rooms stay below; >= 0.
+  double min_mean_gap = 0.02;  ///< The same a hit: identical rooms stay below; >= 0.
 };
 
 struct LocalizerParams {
   Method method = Method::kIndexed;
-  CornerExtractor extractor = CornerExtractor::kTwoArm;  ///< That of the maps, for good matches.
-  std::uint64_t seed = 1;                                ///< Of all random draws.
-  int min_features = 4;         ///< Submap features before matching is tried; >= 3.
-  int min_votes = 4;            ///< S_t of algorithm 3; >= 1.
-  int max_matches = 8;          ///< Matches tried as hypotheses a scan; >= 1.
-  SampledMatchParams sampling;  ///< Of kRma; its seed is drawn from `seed`.
+  CornerExtractor extractor =
+      CornerExtractor::kLineIntersection;  ///< That of the maps, for good matches.
+  std::uint64_t seed = 1;                  ///< Of all random draws.
+  int min_features = 4;                    ///< Submap features before matching is tried; >= 3.
+  int min_votes = 4;                       ///< S_t of algorithm 3; >= 1.
+  int max_matches = 8;                     ///< Matches tried as hypotheses a scan; >= 1.
+  SampledMatchParams sampling;             ///< Of kRma; its seed is drawn from `seed`.
   PoseEstimatorParams estimator;
   /// Work of one scan in searches of whole maps, as time of one core on the machine of
   /// docs/results.md [ms]; > 0. It counts operations, so answers do not depend on the clock. A

@@ -33,9 +33,9 @@ struct MapFiles {
   std::string note;  ///< When the image is not where the yaml says, for people; else empty.
 };
 
-/// Loads MAP.yaml and the image it names (relative to the yaml, or of that name beside it when the
-/// path is of another computer); of the image only its size is checked. `field` of an error is the
-/// path of a file.
+/// Loads MAP.yaml and the image it names. The image's path is relative to the yaml, or its name is
+/// looked up beside it when the path is of another computer. Of the image only its size is checked.
+/// `field` of an error is the path of a file.
 [[nodiscard]] Result<MapFiles> load_map_files(const std::filesystem::path& yaml_path,
                                               const MapImageLimits& limits = {});
 

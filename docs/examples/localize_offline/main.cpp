@@ -1,5 +1,5 @@
 // Makes a map from scans at known poses, then localizes a robot in it that does not know where it
-// is. The scans are cast in a ROS floor map here; on a robot they come from its lidar.
+// is. The scans are cast in a ROS occupancy map here; on a robot they come from its lidar.
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/map_image.hpp>
 #include <cornerfix/mapper.hpp>
@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
 
   Localizer localizer({make_map(building)}, LocalizerParams{});
   for (double way = 0.0; way < 10.0; way += 0.1) {
-    // The way back, a little aside. The localizer is told the odometry, never the truth.
+    // The way back, a little aside. The localizer gets the odometry, never the true pose.
     const Pose2 truth{28.0 - way, 17.4, std::numbers::pi};
     const Answer answer = localizer.process({.scan = look(building, truth, way),
                                              .T_base_link_laser = {},

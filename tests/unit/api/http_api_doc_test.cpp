@@ -1,4 +1,4 @@
-// docs/http-api.md tells every call, and its answers are documents of the API.
+// docs/http-api.md describes every call, and its answers are documents of the API.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -20,7 +20,7 @@ using testing::NanSensitiveFloatEq;
 constexpr double kPi = std::numbers::pi;
 const float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
-/// The request, or a failed test that tells the problem.
+/// The request, or a failed test that prints the problem.
 template <typename Request>
 Request taken(Parsed<Request> parsed) {
   if (const auto* problem = std::get_if<Problem>(&parsed)) {

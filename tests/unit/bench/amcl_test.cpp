@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/src/search/map_index.hpp"
 #include "support/matchers.hpp"
 #include "tests/unit/bench/mapped_offices.hpp"
 
@@ -14,7 +15,7 @@ constexpr AmclParams kFew{.max_particles = 4'000, .kld_err = 0.05, .linear_resam
 
 Amcl make_amcl(const AmclParams& params) {
   const LocalizationMapPtr& map = testing::office_map();
-  return {map->grid(), map->field(), params};
+  return {map->grid(), map->index().field, params};
 }
 
 TEST(Amcl, FollowsARobotFromAKnownStart) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/src/search/map_index.hpp"
 #include "support/matchers.hpp"
 #include "tests/unit/bench/mapped_offices.hpp"
 
@@ -11,7 +12,7 @@ namespace {
 
 const CorrelativeSearch& office_search() {
   static const CorrelativeSearch search(testing::office_map()->grid(),
-                                        testing::office_map()->field());
+                                        testing::office_map()->index().field);
   return search;
 }
 

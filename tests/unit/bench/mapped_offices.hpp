@@ -21,7 +21,7 @@ inline const LocalizationMapPtr& office_map() {
   return map;
 }
 
-/// A drive into two of the offices with a scan every 0.2 m and good odometry.
+/// A run into two of the offices with a scan every 0.2 m and good odometry.
 inline std::vector<cornerfix::testing::Moment> office_drive(std::uint64_t seed) {
   return cornerfix::testing::drive(cornerfix::testing::offices(), {},
                                    cornerfix::testing::drive_through_offices(0.2, 0.2), seed);

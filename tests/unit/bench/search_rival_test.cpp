@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/src/search/map_index.hpp"
 #include "support/matchers.hpp"
 #include "tests/unit/bench/mapped_offices.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 TEST(SearchRival, FollowsTheRobotFromWhereTheSearchFoundIt) {
   const auto moments = testing::office_drive(1);
   SearchRival rival([&](std::span<const Point2>) { return moments.front().T_map_base_link; },
-                    testing::office_map()->field());
+                    testing::office_map()->index().field);
   for (const auto& moment : moments) {
     const RivalAnswer answer = rival.process(moment.scan);
     ASSERT_TRUE(answer.T_map_base_link);
@@ -28,7 +29,7 @@ TEST(SearchRival, SearchesAgainOnlyOnceTheRobotHasMoved) {
         ++searches;
         return std::nullopt;
       },
-      testing::office_map()->field());
+      testing::office_map()->index().field);
   RobotScan scan = testing::office_drive(1).front().scan;
   EXPECT_TRUE(rival.process(scan).updated);
   EXPECT_FALSE(rival.process(scan).updated);

@@ -455,7 +455,7 @@ TEST_F(CommandLine, ReplaysUntilSomeWayAfterTheFix) {
   EXPECT_THAT(outcome.out,
               HasSubstr("true: x 5.00 m, y 0.00 m, yaw 0.0 deg; error 0.10 m, 0.0 deg"));
   const auto requests = server.requests();
-  // Switched on, three batches to the fix at 5 m, two more to 9 m, switched off.
+  // Started, three batches until localized at 5 m, two more to 9 m, ended.
   ASSERT_EQ(requests.size(), 7U);
   EXPECT_EQ(nlohmann::json::parse(requests[0].body)["map"], "attic");
   EXPECT_EQ(requests[5].path, "/v1/sessions/s-1/scans");

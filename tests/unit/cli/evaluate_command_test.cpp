@@ -1,4 +1,4 @@
-// `cornerfix evaluate` as a user calls it, on short simulated drives.
+// `cornerfix evaluate` as a user calls it, on short simulated runs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

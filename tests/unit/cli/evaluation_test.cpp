@@ -37,7 +37,7 @@ LocalizationMapPtr empty_map() {
   return std::make_shared<const LocalizationMap>("floor", 1, MapContent{});
 }
 
-/// Says nothing for a while, then localizes with an error that grows with each answer.
+/// Gives no pose for a while, then localizes with an error that grows with each answer.
 ScoredRobot robot_that_drifts(const LocalizationMapPtr& map, int silent_scans, double error_m) {
   return [map, silent_scans, error_m, scan_count = 0](const RobotScan& scan) mutable {
     Answer answer;

@@ -9,7 +9,7 @@
 namespace cornerfix::cli {
 namespace {
 
-/// What is written while the shares are told.
+/// What is written while the shares are reported.
 std::string written(bool is_terminal, const std::vector<double>& shares) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
   {

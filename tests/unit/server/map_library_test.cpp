@@ -206,7 +206,7 @@ TEST_F(MapLibraryTest, RefusesATrajectoryWithGaps) {
   const auto before = *maps_.find("office");
   auto poses = trajectory({1.0, 0.0, 0.0});
   poses.erase(poses.begin() + 10);
-  poses[0].stamp += 0.002;  // Too far from the first key frame.
+  poses[0].stamp += 0.002;  // Too far from the first keyframe.
   const auto refused = maps_.set_trajectory("office", poses);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
@@ -358,7 +358,7 @@ TEST_F(UnposedDriveTest, BecomesAMapOfTheRoom) {
   const auto map = maps_.load("office");
   ASSERT_TRUE(map);
   EXPECT_GT((*map)->features().size(), 5U);
-  // The room is 10 x 10 m, whichever way it lies in the frame of the drive.
+  // The room is 10 x 10 m, whichever way it lies in the frame of the run.
   std::size_t walls = 0;
   for (const Cell cell : (*map)->grid().cells) walls += cell == Cell::kOccupied ? 1 : 0;
   EXPECT_GT(walls, 300U);

@@ -61,7 +61,7 @@ TEST_F(ReportServiceTest, LeavesAReportAloneWhenSomebodyAsksForAnOlderRevision) 
 
 TEST_F(ReportServiceTest, GivesUpTheReportsOfDeletedMapsSoThatOthersHaveTheirPlace) {
   std::promise<void> began;
-  // Like the real one, it ends when it is told that nobody wants its report any longer.
+  // Like the real one, it ends when nobody wants its report any longer.
   ReportService reports(process_.maps, [&](const auto& map, const auto&, const auto& progress) {
     if (map->name() != "first") return std::optional(LocalizabilityReport{});
     began.set_value();

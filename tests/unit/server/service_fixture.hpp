@@ -46,7 +46,7 @@ struct Process {
                       .max_sessions_per_robot = session_limits.max_per_robot,
                       .expired_before = session_limits.expired_before}) {}
 
-  /// Enough to tell answers apart.
+  /// Enough to distinguish answers.
   static std::string render(const AnswerToRender& answer) {
     std::string text(answer.session);
     text += " " + std::to_string(answer.sequence.value_or(99)) + " " +

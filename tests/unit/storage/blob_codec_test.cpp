@@ -124,7 +124,7 @@ TEST_P(EveryBlob, IsRefusedAsAnotherKind) {
   }
 }
 
-// Whatever a forger writes, decoding ends with a value or an error; the sanitizers watch.
+// For any bytes, decoding ends with a value or an error; the sanitizers watch.
 TEST_P(EveryBlob, SurvivesAnyResealedByte) {
   const Blob sample = codec().sample;
   for (std::size_t i = 2; i < sample.size() - 4; ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Key frames that a lidar can have taken.
+/// Keyframes that a lidar can have taken.
 std::vector<PosedScan> possible_key_frames(int count) {
   std::vector<PosedScan> key_frames;
   for (int i = 0; i < count; ++i) {

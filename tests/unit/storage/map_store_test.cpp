@@ -25,7 +25,7 @@ class MapStoreTest : public ::testing::Test {
     EXPECT_TRUE(store_.put(name, std::nullopt, std::nullopt, std::nullopt, "t0").value());
     return store_.find(name).value();
   }
-  /// Adds `count` key frames with their stamps.
+  /// Adds `count` keyframes with their stamps.
   MapInfo grow(const MapInfo& map, int count, const std::string& now = "t1") {
     return grow(map, sample_key_frames(count), now);
   }

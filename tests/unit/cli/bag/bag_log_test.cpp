@@ -522,7 +522,7 @@ std::vector<WrittenMessage> messages_of(const std::vector<std::vector<WrittenMes
   return messages;
 }
 
-/// A drive in files of a few messages each: "drive_0.db3" and so on.
+/// A run in files of a few messages each: "drive_0.db3" and so on.
 void write_split(const std::filesystem::path& directory, std::size_t scans, std::size_t files) {
   const std::vector<WrittenMessage> messages = messages_of(drive(kCdr, scans));
   const std::size_t size = messages.size() / files + 1;

@@ -1,4 +1,4 @@
-/// \file  The counterpart of WireReader, and the messages of a drive in ROS 1's and ROS 2's bytes.
+/// \file  The counterpart of WireReader, and the messages of a run in ROS 1's and ROS 2's bytes.
 #pragma once
 
 #include <cmath>

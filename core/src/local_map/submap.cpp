@@ -1,0 +1,154 @@
+#include "core/src/local_map/submap.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/src/base/thinned.hpp"
+#include "core/src/map/field_stamp.hpp"
+
+namespace cornerfix {
+namespace {
+
+constexpr double kCoarseKernel = 0.4;
+constexpr double kFineKernel = 0.12;
+
+DistanceField empty_field(const SubmapParams& params, const Point2& center) {
+  const int cells = static_cast<int>(std::ceil(params.field_extent_m / params.field_resolution_m));
+  const double half = 0.5 * params.field_extent_m;
+  return {Pose2{center.x() - half, center.y() - half, 0.0}, params.field_resolution_m, cells,
+          cells};
+}
+
+}  // namespace
+
+Submap::Submap(SubmapParams params)
+    : params_(params),
+      field_(empty_field(params, Point2::Zero())),
+      evidence_grid_(Point2::Zero(), params.evidence),
+      features_(params.features) {}
+
+bool Submap::wants(const Pose2& T_submap_base_link) const {
+  if (kept_.empty()) return true;
+  const Pose2& last = kept_.back().scan.T_submap_base_link;
+  return distance(last, T_submap_base_link) >= params_.keep_distance_m ||
+         angle_between(last, T_submap_base_link) >= params_.keep_angle_rad;
+}
+
+void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool restored) {
+  if (!restored) scan.index = next_index_++;
+  const Pose2 T_submap_laser = scan.T_submap_base_link * scan.T_base_link_laser;
+  for (Feature& corner : corners_laser) corner = transformed(T_submap_laser, corner);
+  Kept kept{std::move(scan), std::move(corners_laser), 0.0};
+  if (!kept_.empty()) {
+    kept.way_m = kept_.back().way_m +
+                 distance(kept_.back().scan.T_submap_base_link, kept.scan.T_submap_base_link);
+  }
+  stamp(kept.scan);
+  evidence_grid_.add(kept.scan.scan, T_submap_laser);
+  features_.insert(kept.corners_submap);
+  const double way = kept.way_m;
+  const Point2 position = kept.scan.T_submap_base_link.translation();
+  kept_.push_back(std::move(kept));
+
+  bool forgot = false;
+  while (way - kept_.front().way_m > params_.window_m || kept_.size() > params_.max_scans) {
+    const SubmapScan& old = kept_.front().scan;
+    evidence_grid_.remove(old.scan, old.T_submap_base_link * old.T_base_link_laser);
+    kept_.pop_front();
+    forgot = true;
+  }
+  if (forgot) {
+    features_ = FeatureMap(params_.features);
+    for (const Kept& one : kept_) features_.insert(one.corners_submap);
+  }
+  // The fields are squares; move them along before the robot's surroundings reach their border.
+  // That also wipes forgotten walls from the field that scans are matched on.
+  if ((position - evidence_grid_.center()).cwiseAbs().maxCoeff() > 0.2 * params_.field_extent_m)
+    rebuild_about(position);
+  evidence_ = evidence_grid_.collect();
+}
+
+void Submap::stamp(const SubmapScan& scan) {
+  stamp_scan(field_, scan.scan, scan.T_submap_base_link * scan.T_base_link_laser,
+             params_.stamp_radius_m, std::numeric_limits<double>::infinity());
+}
+
+void Submap::rebuild_about(const Point2& center) {
+  field_ = empty_field(params_, center);
+  evidence_grid_ = EvidenceGrid(center, params_.evidence);
+  const double way = kept_.back().way_m;
+  for (const Kept& kept : kept_) {
+    if (way - kept.way_m <= params_.match_window_m) stamp(kept.scan);
+    evidence_grid_.add(kept.scan.scan, kept.scan.T_submap_base_link * kept.scan.T_base_link_laser);
+  }
+}
+
+RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior,
+                          const Pose2& start) const {
+  const RefinedPose coarse = refine_pose(field_, points_base_link, start,
+                                         {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
+  return refine_pose(field_, points_base_link, coarse.T_frame_base_link,
+                     {.kernel_m = kFineKernel, .max_iterations = 6}, prior);
+}
+
+Eigen::Matrix3d Submap::match_information(std::span<const Point2> points_base_link,
+                                          const Pose2& T_submap_base_link) const {
+  constexpr std::size_t kPoints = 90;  // evenly thinned, each standing for its neighbours
+  const std::vector<Point2> points = thinned(points_base_link, kPoints);
+  const double weight = static_cast<double>(points_base_link.size()) /
+                        static_cast<double>(std::max<std::size_t>(1, points.size()));
+  const Eigen::Matrix3d information =
+      observed_information(field_, points, T_submap_base_link, {.kernel_m = kFineKernel});
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(T_submap_base_link.yaw).toRotationMatrix();
+  return weight * rotation.transpose() * information * rotation;
+}
+
+FoundStart Submap::search(std::span<const Point2> points_base_link, const Pose2& middle,
+                          const SearchWindow& window) const {
+  constexpr std::size_t kPoints = 60;
+  constexpr double kShift = 0.15;        // about what match() mends with ease [m]
+  constexpr double kTurn = 0.05;         // [rad]
+  constexpr double kFar = 0.5;           // farther from a wall is no worse [m]
+  constexpr double kCostOfShift = 0.05;  // [m^2/m^2]
+  constexpr double kCostOfTurn = 0.2;    // [m^2/rad^2]
+  std::vector<Point2> points = thinned(points_base_link, kPoints);
+  const int shifts = static_cast<int>(std::lround(window.shift_m / kShift));
+  const int turns = static_cast<int>(std::lround(window.turn_rad / kTurn));
+  FoundStart best{middle, std::numeric_limits<double>::infinity()};
+  std::vector<Point2> turned(points.size());
+  for (int turn = -turns; turn <= turns; ++turn) {
+    const Pose2 at_middle{middle.x, middle.y, wrap_angle(middle.yaw + kTurn * turn)};
+    const Pose2 T_grid_base_link = field_.T_grid_frame() * at_middle;
+    std::ranges::transform(points, turned.begin(),
+                           [&](const Point2& p) { return T_grid_base_link * p; });
+    for (int column = -shifts; column <= shifts; ++column) {
+      for (int row = -shifts; row <= shifts; ++row) {
+        const Point2 shift{kShift * column, kShift * row};
+        double sum = 0.0;
+        for (const Point2& p : turned) {
+          const double d = std::min(kFar, field_.nearest(p + shift));
+          sum += d * d;
+        }
+        const double cost = sum / static_cast<double>(points.size()) +
+                            kCostOfShift * shift.squaredNorm() +
+                            kCostOfTurn * (kTurn * turn) * (kTurn * turn);
+        if (cost >= best.cost) continue;
+        best = {{at_middle.x + shift.x(), at_middle.y + shift.y(), at_middle.yaw}, cost};
+      }
+    }
+  }
+  return best;
+}
+
+std::vector<SubmapScan> Submap::scans() const {
+  std::vector<SubmapScan> scans;
+  scans.reserve(kept_.size());
+  for (const Kept& kept : kept_) scans.push_back(kept.scan);
+  return scans;
+}
+
+}  // namespace cornerfix

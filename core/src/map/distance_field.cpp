@@ -1,0 +1,70 @@
+#include "core/src/map/distance_field.hpp"
+
+#include <cmath>
+
+#include "core/src/scan/wall_distance.hpp"
+
+namespace cornerfix {
+
+DistanceField::DistanceField(const Pose2& T_frame_grid, double resolution, int width, int height)
+    : T_grid_frame_(inverse(T_frame_grid)),
+      resolution_(resolution),
+      inverse_resolution_(1.0 / resolution),
+      width_(width),
+      height_(height),
+      steps_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 255) {}
+
+DistanceField::DistanceField(const OccupancyGrid& grid)
+    : DistanceField(grid.T_map_grid, grid.resolution, grid.width, grid.height) {
+  const std::vector<float> distance_cells = distances_to_walls(grid);
+  const float steps_per_cell = static_cast<float>(resolution_ / kStep);
+  std::ranges::transform(distance_cells, steps_.begin(), [&](float cells) {
+    return static_cast<std::uint8_t>(std::min(255.0F, std::round(cells * steps_per_cell)));
+  });
+}
+
+void DistanceField::stamp(const Point2& point_grid, double radius_m) {
+  const double column = point_grid.x() * inverse_resolution_ - 0.5;
+  const double row = point_grid.y() * inverse_resolution_ - 0.5;
+  const double reach = radius_m * inverse_resolution_;
+  const int first_column = std::max(0, static_cast<int>(std::ceil(column - reach)));
+  const int last_column = std::min(width_ - 1, static_cast<int>(std::floor(column + reach)));
+  const int first_row = std::max(0, static_cast<int>(std::ceil(row - reach)));
+  const int last_row = std::min(height_ - 1, static_cast<int>(std::floor(row + reach)));
+  const float steps_per_cell = static_cast<float>(resolution_ / kStep);
+  for (int r = first_row; r <= last_row; ++r) {
+    const float dy = static_cast<float>(r - row);
+    for (int c = first_column; c <= last_column; ++c) {
+      const float dx = static_cast<float>(c - column);
+      const float steps = std::sqrt(dx * dx + dy * dy) * steps_per_cell;
+      std::uint8_t& cell = steps_[index(c, r)];
+      if (steps < static_cast<float>(cell)) cell = static_cast<std::uint8_t>(steps);
+    }
+  }
+}
+
+DistanceField::Sample DistanceField::sample(const Point2& point_grid) const {
+  const double x = point_grid.x() * inverse_resolution_ - 0.5;
+  const double y = point_grid.y() * inverse_resolution_ - 0.5;
+  if (x < 0.0 || y < 0.0 || x >= width_ - 1 || y >= height_ - 1) return {};
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  const double fx = x - column;
+  const double fy = y - row;
+  const std::uint8_t* lower = &steps_[index(column, row)];
+  const std::uint8_t* upper = lower + width_;
+  const double d00 = lower[0];
+  const double d10 = lower[1];
+  const double d01 = upper[0];
+  const double d11 = upper[1];
+  const double bottom = d00 + fx * (d10 - d00);
+  const double top = d01 + fx * (d11 - d01);
+  Sample sample;
+  sample.distance = kStep * (bottom + fy * (top - bottom));
+  sample.gradient.x() =
+      kStep * inverse_resolution_ * ((d10 - d00) + fy * ((d11 - d01) - (d10 - d00)));
+  sample.gradient.y() = kStep * inverse_resolution_ * (top - bottom);
+  return sample;
+}
+
+}  // namespace cornerfix

@@ -1,0 +1,181 @@
+#include "core/src/map/evidence_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace cornerfix {
+namespace {
+
+std::size_t end_class_of(double distance_m, Cell cell) {
+  for (std::size_t i = 0; i < kNearLimits.size(); ++i) {
+    if (distance_m < kNearLimits[i]) return i;
+  }
+  const std::size_t first = kNearLimits.size() + (cell == Cell::kUnknown ? kFarLimits.size() : 0);
+  for (std::size_t i = 0; i + 1 < kFarLimits.size(); ++i) {
+    if (distance_m < kFarLimits[i]) return first + i;
+  }
+  return first + kFarLimits.size() - 1;
+}
+
+PassClass pass_class_of(double distance_m, Cell cell) {
+  constexpr double kNearWall = 0.15;
+  if (cell == Cell::kOccupied) return PassClass::kOnWall;
+  if (distance_m < kNearWall) return PassClass::kNearWall;
+  return cell == Cell::kFree ? PassClass::kFree : PassClass::kUnknown;
+}
+
+// A place of a class is at least this far from a wall [m].
+constexpr std::array<double, kFieldClasses> kClassClearance{0.0, 0.05, 0.10, 0.15, 0.20, 0.30,
+                                                            0.5, 1.0,  0.20, 0.30, 0.5,  1.0};
+
+// Ranges of classes, the last one not included.
+constexpr std::size_t kEndOfMatched = 3;  // within 0.15 m of a wall
+constexpr std::size_t kFirstContradicted = kNearLimits.size() + 1;
+constexpr std::size_t kFirstUnmapped = kNearLimits.size() + kFarLimits.size();
+
+double share(const EvidenceScore& score, std::size_t first, std::size_t end) {
+  const auto counts = score.end_counts.begin();
+  const int count = std::accumulate(counts + static_cast<std::ptrdiff_t>(first),
+                                    counts + static_cast<std::ptrdiff_t>(end), 0);
+  return static_cast<double>(count) / std::max(1, score.ends);
+}
+
+void summarise(EvidenceScore& score) {
+  for (std::size_t i = 0; i < kEndClasses; ++i) {
+    score.ends += score.end_counts[i];
+    score.fit += static_cast<double>(kSearchWeights.ends[i]) * score.end_counts[i];
+    score.log_likelihood += static_cast<double>(kRivalWeights.ends[i]) * score.end_counts[i];
+  }
+  for (std::size_t i = 0; i < kPassClasses; ++i) {
+    score.fit += static_cast<double>(kSearchWeights.passes[i]) * score.pass_counts[i];
+    score.log_likelihood += static_cast<double>(kRivalWeights.passes[i]) * score.pass_counts[i];
+  }
+  score.matched = share(score, 0, kEndOfMatched);
+  score.contradicted = share(score, kFirstContradicted, kFirstUnmapped);
+  score.unmapped = share(score, kFirstUnmapped, kFieldClasses);
+}
+
+std::string end_class_name(std::size_t end_class) {
+  static constexpr std::array<const char*, kNearLimits.size()> kNear{"0.05", "0.10", "0.15",
+                                                                     "0.20"};
+  static constexpr std::array<const char*, kFarLimits.size()> kFar{"0.30", "0.50", "1.00", "far"};
+  if (end_class == kHiddenNear) return "hidden_near_wall";
+  if (end_class == kHiddenFar) return "hidden";
+  if (end_class < kNear.size()) return std::string("wall_") + kNear[end_class];
+  const std::size_t far = end_class - kNear.size();
+  return std::string(far < kFar.size() ? "free_" : "unknown_") + kFar[far % kFar.size()];
+}
+
+std::string pass_class_name(std::size_t pass_class) {
+  static constexpr std::array<const char*, kPassClasses> kNames{"on_wall", "near_wall", "free",
+                                                                "unknown"};
+  return kNames[pass_class];
+}
+
+template <std::size_t N, typename Name>
+std::vector<EvidenceClass> classes_of(const std::array<int, N>& counts,
+                                      const std::array<float, N>& weights, const Name& name) {
+  std::vector<EvidenceClass> classes;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (counts[i] == 0) continue;
+    classes.push_back({name(i), counts[i], static_cast<double>(weights[i]) * counts[i]});
+  }
+  return classes;
+}
+
+}  // namespace
+
+ClassField::ClassField(const OccupancyGrid& grid, const DistanceField& field)
+    : T_grid_map_(inverse(grid.T_map_grid)),
+      resolution_(grid.resolution),
+      width_(grid.width),
+      height_(grid.height),
+      classes_(grid.cells.size()) {
+  for (std::size_t i = 0; i < stride_.size(); ++i)
+    stride_[i] = std::max(0.7, kClassClearance[i] / resolution_);
+  for (std::size_t i = 0; i < classes_.size(); ++i) {
+    const double distance_m = DistanceField::kStep * static_cast<double>(field.steps()[i]);
+    const auto pass = static_cast<std::size_t>(pass_class_of(distance_m, grid.cells[i]));
+    classes_[i] = static_cast<std::uint8_t>(end_class_of(distance_m, grid.cells[i]) | (pass << 4U));
+  }
+}
+
+bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) const {
+  constexpr double kClear = 0.20;
+  const double length = (to_cells - from_cells).norm();
+  const Point2 direction = (to_cells - from_cells) / std::max(length, 1e-9);
+  bool crossed = false;
+  for (double along = 0.0; along < length;) {
+    const Point2 p = from_cells + along * direction;
+    const auto column = static_cast<int>(std::floor(p.x()));
+    const auto row = static_cast<int>(std::floor(p.y()));
+    const std::uint8_t here = at(column, row);
+    if (crossed && kClassClearance[here & 15U] >= kClear) return true;
+    crossed = crossed || (here >> 4U) == static_cast<std::size_t>(PassClass::kOnWall);
+    along += stride_[here & 15U];
+  }
+  return false;
+}
+
+EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
+                             const Pose2& T_map_evidence) {
+  const Pose2 T = classes.T_grid_map() * T_map_evidence;
+  const double scale = 1.0 / classes.resolution();
+  const double c = std::cos(T.yaw) * scale;
+  const double s = std::sin(T.yaw) * scale;
+  const double x = T.x * scale;
+  const double y = T.y * scale;
+  const auto in_cells = [&](const Point2& p) {
+    return Point2{x + c * p.x() - s * p.y(), y + s * p.x() + c * p.y()};
+  };
+  const auto index = [](double cells) { return static_cast<int>(std::floor(cells)); };
+  EvidenceScore score;
+  score.block_llr.assign(evidence.blocks, 0.0F);
+  score.independent_hits = evidence.independent_hits;
+  for (std::size_t i = 0; i < evidence.ends.size(); ++i) {
+    const Point2 end = in_cells(evidence.ends[i]);
+    std::size_t end_class = classes.end_class(index(end.x()), index(end.y()));
+    if (!evidence.origins.empty() && classes.wall_between(in_cells(evidence.origins[i]), end))
+      end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
+    ++score.end_counts[end_class];
+    if (!evidence.end_blocks.empty())
+      score.block_llr[evidence.end_blocks[i]] += kRivalWeights.ends[end_class];
+  }
+  for (std::size_t i = 0; i < evidence.free.size(); ++i) {
+    const Point2 passed = in_cells(evidence.free[i]);
+    const std::size_t pass_class = classes.pass_class(index(passed.x()), index(passed.y()));
+    ++score.pass_counts[pass_class];
+    if (!evidence.free_blocks.empty())
+      score.block_llr[evidence.free_blocks[i]] += kRivalWeights.passes[pass_class];
+  }
+  summarise(score);
+  return score;
+}
+
+int judged_hits(const EvidenceScore& score) {
+  const auto count = [&](std::size_t first, std::size_t end) {
+    const auto counts = score.end_counts.begin();
+    return std::accumulate(counts + static_cast<std::ptrdiff_t>(first),
+                           counts + static_cast<std::ptrdiff_t>(end), 0);
+  };
+  return count(0, kEndOfMatched) + count(kFirstContradicted, kFirstUnmapped) +
+         count(kFieldClasses, kEndClasses);
+}
+
+double explained_share(const EvidenceScore& score) {
+  const int judged = judged_hits(score);
+  if (judged == 0) return 1.0;
+  return share(score, 0, kEndOfMatched) * std::max(1, score.ends) / judged;
+}
+
+std::vector<EvidenceClass> hits_by_class(const EvidenceScore& score) {
+  return classes_of(score.end_counts, kRivalWeights.ends, end_class_name);
+}
+
+std::vector<EvidenceClass> misses_by_class(const EvidenceScore& score) {
+  return classes_of(score.pass_counts, kRivalWeights.passes, pass_class_name);
+}
+
+}  // namespace cornerfix

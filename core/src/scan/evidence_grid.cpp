@@ -1,0 +1,121 @@
+#include "core/src/scan/evidence_grid.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace cornerfix {
+namespace {
+
+/// (sum n)^2 / sum n^2 of the counts n of each block: how many equal blocks would be as many.
+double effective_number(const std::vector<std::uint16_t>& block_of, std::size_t blocks) {
+  std::vector<double> counts(blocks, 0.0);
+  for (const std::uint16_t block : block_of) counts[block] += 1.0;
+  double squares = 0.0;
+  for (const double count : counts) squares += count * count;
+  const auto all = static_cast<double>(block_of.size());
+  return squares > 0.0 ? all * all / squares : 0.0;
+}
+
+}  // namespace
+
+EvidenceGrid::EvidenceGrid(const Point2& center, EvidenceGridParams params)
+    : params_(params),
+      center_(center),
+      corner_(center.array() - 0.5 * params.extent_m),
+      size_(static_cast<int>(std::ceil(params.extent_m / params.resolution_m))),
+      cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_)) {}
+
+void EvidenceGrid::add(const LaserScan& scan, const Pose2& T_submap_laser) {
+  count(scan, T_submap_laser, 1);
+}
+
+void EvidenceGrid::remove(const LaserScan& scan, const Pose2& T_submap_laser) {
+  count(scan, T_submap_laser, -1);
+  // A cell that is listed and empty would be listed again when it is next counted in.
+  std::erase_if(touched_, [this](std::uint32_t index) {
+    CellCounts& cell = cells_[index];
+    if (cell.ends != 0 || cell.passes != 0) return false;
+    cell = {};
+    return true;
+  });
+}
+
+void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int sign) {
+  const double scale = 1.0 / params_.resolution_m;
+  const Point2 start = (T_submap_laser.translation() - corner_) * scale;
+  const auto cell_at = [&](const Point2& p) -> CellCounts* {
+    const int column = static_cast<int>(std::floor(p.x()));
+    const int row = static_cast<int>(std::floor(p.y()));
+    if (column < 0 || row < 0 || column >= size_ || row >= size_) return nullptr;
+    const auto index = static_cast<std::uint32_t>(row * size_ + column);
+    CellCounts& cell = cells_[index];
+    if (cell.ends == 0 && cell.passes == 0) touched_.push_back(index);
+    return &cell;
+  };
+  double last_bearing = -1e9;
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    if (!scan.has_return(beam)) continue;
+    const double bearing = scan.bearing(beam);
+    if (std::abs(bearing - last_bearing) < params_.min_beam_spacing_rad) continue;
+    last_bearing = bearing;
+    const double range = static_cast<double>(scan.ranges[beam]);
+    const Point2 direction{std::cos(T_submap_laser.yaw + bearing),
+                           std::sin(T_submap_laser.yaw + bearing)};
+    if (range <= params_.max_range_m) {
+      const Point2 end = start + (range * scale) * direction;
+      if (CellCounts* cell = cell_at(end)) {
+        cell->ends += sign;
+        cell->sum_x += static_cast<float>(sign) * static_cast<float>(end.x() - std::floor(end.x()));
+        cell->sum_y += static_cast<float>(sign) * static_cast<float>(end.y() - std::floor(end.y()));
+        if (sign > 0) {
+          cell->origin_x = static_cast<float>(T_submap_laser.x);
+          cell->origin_y = static_cast<float>(T_submap_laser.y);
+        }
+      }
+    }
+    // A beam that ends in a wall did not pass its surface.
+    const double passed = std::min(range * scale - 1.5, params_.max_range_m * scale);
+    for (double along = 0.5; along < passed; along += 1.0) {
+      if (CellCounts* cell = cell_at(start + along * direction)) {
+        cell->passes += sign;
+      }
+    }
+  }
+}
+
+Evidence EvidenceGrid::collect() const {
+  Evidence evidence;
+  const int block_cells =
+      std::max(1, static_cast<int>(std::lround(kBlockSize / params_.resolution_m)));
+  const int blocks_per_row = size_ / block_cells + 1;
+  assert(blocks_per_row < 256 && "block numbers fit 16 bits");
+  std::vector<std::uint16_t> block_of(static_cast<std::size_t>(blocks_per_row * blocks_per_row), 0);
+  const auto block = [&](int column, int row) {
+    std::uint16_t& id = block_of[static_cast<std::size_t>((row / block_cells) * blocks_per_row +
+                                                          column / block_cells)];
+    if (id == 0) id = static_cast<std::uint16_t>(++evidence.blocks);
+    return static_cast<std::uint16_t>(id - 1);
+  };
+  for (const std::uint32_t index : touched_) {
+    const CellCounts& cell = cells_[index];
+    const auto column = static_cast<int>(index) % size_;
+    const auto row = static_cast<int>(index) / size_;
+    const Point2 corner = corner_ + params_.resolution_m * Point2{column, row};
+    if (cell.ends > 0) {
+      if (cell.passes > 2 * cell.ends) continue;
+      const Point2 mean{static_cast<double>(cell.sum_x) / cell.ends,
+                        static_cast<double>(cell.sum_y) / cell.ends};
+      evidence.ends.emplace_back(corner + params_.resolution_m * mean);
+      evidence.origins.emplace_back(cell.origin_x, cell.origin_y);
+      evidence.end_blocks.push_back(block(column, row));
+    } else if (cell.passes > 0 && column % 2 == 0 && row % 2 == 0) {
+      evidence.free.emplace_back(corner + params_.resolution_m * Point2{0.5, 0.5});
+      evidence.free_blocks.push_back(block(column, row));
+    }
+  }
+  evidence.independent_hits = effective_number(evidence.end_blocks, evidence.blocks);
+  return evidence;
+}
+
+}  // namespace cornerfix
