@@ -12,9 +12,9 @@
 #include "bench/rivals/correlative_search.hpp"
 #include "bench/rivals/published_rma.hpp"
 #include "bench/rivals/search_rival.hpp"
+#include "core/src/search/map_index.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
-#include "core/src/search/map_index.hpp"
 #endif
 
 namespace cornerfix::bench {

@@ -13,12 +13,12 @@
 #include "bench/experiments/experiment.hpp"
 #include "bench/experiments/processor_time.hpp"
 #include "bench/rivals/loam_corners.hpp"
+#include "core/src/features/feature_map.hpp"
+#include "core/src/scan/vfp_corners.hpp"
 #include "support/floor_plans.hpp"
 #include "support/scan_simulator.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/image_corners.hpp"
-#include "core/src/features/feature_map.hpp"
-#include "core/src/scan/vfp_corners.hpp"
 #endif
 
 namespace cornerfix::bench {

@@ -12,9 +12,9 @@
 #include "bench/experiments/processor_time.hpp"
 #include "bench/experiments/statistics.hpp"
 #include "bench/rivals/amcl.hpp"
+#include "core/src/search/map_index.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
-#include "core/src/search/map_index.hpp"
 #endif
 
 namespace cornerfix::bench {
