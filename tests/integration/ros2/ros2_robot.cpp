@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "support/room_drive.hpp"
 
@@ -120,6 +121,7 @@ void Ros2Robot::publish_scan(const TruePose& pose) {
   scan.range_min = static_cast<float>(seen.range_min);
   scan.range_max = static_cast<float>(seen.range_max);
   scan.ranges = seen.ranges;
+  if (is_covered_) std::ranges::fill(scan.ranges, std::numeric_limits<float>::infinity());
   scan_->write(&scan);
 }
 
@@ -130,16 +132,23 @@ bool Ros2Robot::is_answered(double stamp) const {
 }
 
 void Ros2Robot::drive(std::size_t count) {
-  constexpr std::chrono::seconds kUntilLost{5};
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = options_.begin_rad + static_cast<double>(driven_.size()) * kStepRad;
     const Pose2 pose = circle_in_room(1.6, angle, 0.0, 1).front();
     const Pose2 start = driven_.empty() ? pose : driven_.front().T_map_base_link;
     driven_.push_back({stamp_, pose, kStartInOdom * inverse(start) * pose});
-    publish_odometry(driven_.back());
-    publish_scan(driven_.back());
-    wait_until([this] { return is_answered(driven_.back().stamp); }, kUntilLost);
+    publish_until_answered(driven_.back());
     stamp_ += kScanPeriodS;
+  }
+}
+
+void Ros2Robot::publish_until_answered(const TruePose& pose) {
+  constexpr std::chrono::milliseconds kUntilRepeated{500};
+  constexpr int kMostRepeats = 40;
+  for (int repeat = 0; repeat < kMostRepeats; ++repeat) {
+    publish_odometry(pose);
+    publish_scan(pose);
+    if (wait_until([&] { return is_answered(pose.stamp); }, kUntilRepeated)) return;
   }
 }
 

@@ -30,9 +30,10 @@ class Ros2Robot {
   /// Publishes where the laser is, once, to whoever comes later.
   Ros2Robot(std::uint32_t domain, Options options);
 
-  /// Drives on by `count` scans. After each one it waits until the client has reported the answer
-  /// to it, or some seconds where a best-effort message was lost.
+  /// Drives on by `count` scans. The client has reported its answer to each before the next one.
   void drive(std::size_t count);
+  /// A covered lidar has no returns: its ranges are infinite.
+  void cover_lidar(bool is_covered) { is_covered_ = is_covered; }
   /// As if its computer was started again: stamps begin anew.
   void restart_clock() { stamp_ -= 400.0; }
 
@@ -67,6 +68,9 @@ class Ros2Robot {
   void publish_mount();
   void publish_odometry(const TruePose& pose);
   void publish_scan(const TruePose& pose);
+  /// What is sent by best effort is lost as long as the client has not discovered its publisher.
+  /// Sent again with the same stamp, it changes nothing.
+  void publish_until_answered(const TruePose& pose);
   [[nodiscard]] bool is_answered(double stamp) const;
 
   Options options_;
@@ -74,6 +78,7 @@ class Ros2Robot {
   std::condition_variable event_;
   std::vector<TruePose> driven_;
   double stamp_ = 500.0;
+  bool is_covered_ = false;
 
   FastDdsNode node_;
   std::unique_ptr<FastDdsNode::Writer> tf_static_;

@@ -68,11 +68,12 @@ TEST_F(Ros2Test, PublishesThePoseOnceAndOnlyWhenTheServerHasLocalizedTheRobot) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({"--map", "office"});
   ASSERT_TRUE(robot.wait_for_subscribers());
-  for (int i = 0; i < 40 && robot.status() != "localized"; ++i) {
-    EXPECT_THAT(robot.poses, IsEmpty()) << "at status " << robot.status();
-    robot.drive(1);
-  }
-  ASSERT_EQ(robot.status(), "localized");
+  robot.cover_lidar(true);
+  robot.drive(5);
+  EXPECT_EQ(robot.status(), "collecting");
+  EXPECT_THAT(robot.poses, IsEmpty());
+  robot.cover_lidar(false);
+  drive_until(robot, "localized");
   ASSERT_TRUE(robot.wait_until([&] { return !robot.poses.empty(); }));
   expect_true_pose(robot, robot.poses.front());
   robot.drive(5);
@@ -84,11 +85,14 @@ TEST_F(Ros2Test, ReportsStatusReasonEpochAndConfidence) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({});
   ASSERT_TRUE(robot.wait_for_subscribers());
+  robot.cover_lidar(true);
   robot.drive(1);
   const testing::ros::DiagnosticStatus first = robot.diagnoses.back();
   EXPECT_EQ(first.level, 1) << "WARN";
   EXPECT_EQ(first.value("status"), "collecting");
-  EXPECT_NE(first.value("reason"), "");
+  EXPECT_EQ(first.value("reason"), "no_returns");
+  EXPECT_EQ(first.value("epoch"), "");
+  robot.cover_lidar(false);
   drive_until(robot, "localized");
   const testing::ros::DiagnosticStatus last = robot.diagnoses.back();
   EXPECT_EQ(last.level, 0) << "OK";
@@ -99,9 +103,11 @@ TEST_F(Ros2Test, ReportsStatusReasonEpochAndConfidence) {
 }
 
 TEST_F(Ros2Test, TakesOdometryOfTfAndALaserThatHangsUpsideDown) {
-  Ros2Robot robot(
-      domain_.id(),
-      {.scan_qos = testing::kReliableQos, .has_odometry_in_tf = true, .is_upside_down = true});
+  Ros2Robot robot(domain_.id(), {.ns = "",
+                                 .prefix = "",
+                                 .scan_qos = testing::kReliableQos,
+                                 .has_odometry_in_tf = true,
+                                 .is_upside_down = true});
   const auto client = start({"--map", "office"});
   ASSERT_TRUE(robot.wait_for_subscribers());
   drive_until(robot, "localized");
@@ -112,7 +118,7 @@ TEST_F(Ros2Test, TakesOdometryOfTfAndALaserThatHangsUpsideDown) {
 }
 
 TEST_F(Ros2Test, MatchesAnOdometryPublisherOfBestEffort) {
-  Ros2Robot robot(domain_.id(), {.odom_qos = testing::kSensorQos});
+  Ros2Robot robot(domain_.id(), {.ns = "", .prefix = "", .odom_qos = testing::kSensorQos});
   const auto client = start({});
   EXPECT_TRUE(robot.wait_for_subscribers());
 }
