@@ -18,8 +18,12 @@ using ros2::BridgeOptions;
 
 constexpr std::uint32_t kMaxDomain = 232;  // Ports of higher ones do not exist.
 
+constexpr const char* kLocalized = "localized";
+constexpr const char* kConfirmed = "confirmed";
+
 struct Ros2Arguments {
   ServerAddress server;
+  std::string when = kLocalized;
   BridgeOptions bridge;
 };
 
@@ -36,8 +40,9 @@ bool is_local_only() {
 ros2::RobotName parse_robot(const std::string& text) {
   const std::size_t middle = text.find('=');
   ros2::RobotName robot{text.substr(0, middle), {}};
-  if (std::string wrong = map_name()(robot.name); !wrong.empty()) {
-    throw CLI::ValidationError("--robot", wrong);
+  if (std::string name = robot.name; !map_name()(name).empty()) {  // Robots are named as maps are.
+    throw CLI::ValidationError("--robot", "\"" + robot.name + "\" is no name for a robot, which " +
+                                              "matches [A-Za-z0-9][A-Za-z0-9._-]{0,127}");
   }
   if (middle == std::string::npos) return robot;
   robot.ns = text.substr(middle + 1);
@@ -51,6 +56,7 @@ int run_ros2(Ros2Arguments& arguments) {
   BridgeOptions& options = arguments.bridge;
   options.server = {arguments.server.url, arguments.server.token};
   options.is_local_only = is_local_only();
+  if (arguments.when == kConfirmed) options.when = ros2::PublishWhen::kConfirmed;
   if (options.robots.empty()) options.robots.push_back({"robot", ""});
   sigset_t stop_signals;
   sigemptyset(&stop_signals);
@@ -69,7 +75,8 @@ int run_ros2(Ros2Arguments& arguments) {
   return kDone;
 }
 
-void add_robot_options(CLI::App& command, BridgeOptions& options) {
+void add_robot_options(CLI::App& command, Ros2Arguments& arguments) {
+  BridgeOptions& options = arguments.bridge;
   command
       .add_option_function<std::vector<std::string>>(
           "--robot",
@@ -84,12 +91,10 @@ void add_robot_options(CLI::App& command, BridgeOptions& options) {
   command.add_option("--rate", options.max_rate_hz, "Scans to post per second at most")
       ->check(above_zero())
       ->capture_default_str();
-  command.add_option("--when", options.when, "Publish the pose once it is localized, or confirmed")
-      ->transform(CLI::CheckedTransformer(std::vector<std::pair<std::string, ros2::PublishWhen>>{
-          {"localized", ros2::PublishWhen::kLocalized},
-          {"confirmed", ros2::PublishWhen::kConfirmed}}))
-      ->type_name("localized|confirmed")
-      ->default_str("localized");
+  command
+      .add_option("--when", arguments.when, "Publish the pose once it is localized, or confirmed")
+      ->check(CLI::IsMember({kLocalized, kConfirmed}))
+      ->capture_default_str();
   command.add_flag("--tf", options.publishes_tf,
                    "Also publish the transform from map to odom, with every pose");
 }
@@ -135,7 +140,7 @@ void add_ros2_command(CLI::App& app, int& exit_code) {
       "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST keep to this machine, CYCLONEDDS_URI configures "
       "DDS.\n"
       "docs/tutorials/ros2.md is a walk through.");
-  add_robot_options(*command, arguments->bridge);
+  add_robot_options(*command, *arguments);
   add_ros_options(*command, arguments->bridge);
   add_server_options(*command, arguments->server);
   command->callback([arguments, &exit_code] { exit_code = run_ros2(*arguments); });

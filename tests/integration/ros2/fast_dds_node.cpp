@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -102,13 +103,22 @@ EndpointQos endpoint_qos(const FastQos& qos) {
   return out;
 }
 
+std::uint32_t first_port(std::uint32_t domain) { return 7400 + 250 * domain; }
+
 /// On 127.0.0.1 alone, where multicast need not work: others are found by their usual ports.
-dds::DomainParticipantQos loopback_qos() {
+dds::DomainParticipantQos loopback_qos(std::uint32_t domain) {
+  constexpr std::uint32_t kParticipants = 8;
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList.emplace_back("127.0.0.1");
   dds::DomainParticipantQos qos;
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
+  for (std::uint32_t i = 0; i < kParticipants; ++i) {
+    eprosima::fastrtps::rtps::Locator_t peer;
+    eprosima::fastrtps::rtps::IPLocator::setIPv4(peer, "127.0.0.1");
+    peer.port = first_port(domain) + 10 + 2 * i;  // RTPS 2.5, 9.6.2.3.
+    qos.wire_protocol().builtin.initialPeersList.push_back(peer);
+  }
   return qos;
 }
 
@@ -199,7 +209,7 @@ FreeDomain::FreeDomain() {
   constexpr int kLast = 100;
   constexpr int kUnusedOffset = 249;  // Of the last participant that nobody has.
   for (int id = kFirst; id <= kLast; ++id) {
-    const int domain_port = 7400 + 250 * id;
+    const int domain_port = static_cast<int>(first_port(static_cast<std::uint32_t>(id)));
     lock_ = bind_port(domain_port + kUnusedOffset);
     if (lock_ >= 0 && is_unused(domain_port)) {
       id_ = static_cast<std::uint32_t>(id);
@@ -228,9 +238,9 @@ struct FastDdsNode::Impl {
 };
 
 FastDdsNode::FastDdsNode(std::uint32_t domain) : impl_(std::make_unique<Impl>()) {
-  impl_->participant = expect(
-      dds::DomainParticipantFactory::get_instance()->create_participant(domain, loopback_qos()),
-      "participant");
+  impl_->participant = expect(dds::DomainParticipantFactory::get_instance()->create_participant(
+                                  domain, loopback_qos(domain)),
+                              "participant");
   impl_->publisher =
       expect(impl_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "publisher");
   impl_->subscriber =

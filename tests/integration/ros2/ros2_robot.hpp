@@ -39,7 +39,7 @@ class Ros2Robot {
 
   /// Until `is_true`, at most `timeout`.
   template <typename Predicate>
-  bool wait_until(Predicate is_true, std::chrono::milliseconds timeout = std::chrono::seconds(20)) {
+  bool wait_until(Predicate is_true, std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
     std::unique_lock lock(mutex_);
     return event_.wait_for(lock, timeout, is_true);
   }

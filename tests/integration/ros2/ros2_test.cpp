@@ -88,7 +88,7 @@ TEST_F(Ros2Test, ReportsStatusReasonEpochAndConfidence) {
   robot.cover_lidar(true);
   robot.drive(1);
   const testing::ros::DiagnosticStatus first = robot.diagnoses.back();
-  EXPECT_EQ(first.level, 1) << "WARN";
+  EXPECT_EQ(first.level, 1) << "WARN, not: " << first.message;
   EXPECT_EQ(first.value("status"), "collecting");
   EXPECT_EQ(first.value("reason"), "no_returns");
   EXPECT_EQ(first.value("epoch"), "");
