@@ -52,6 +52,11 @@ Ros2Robot::Ros2Robot(std::uint32_t domain, Options options)
         const std::lock_guard lock(mutex_);
         poses.push_back(pose);
       });
+  if (options_.has_odometry_in_tf) {
+    tf_ = node_.advertise<ros::TfMessage>("rt/tf", kTfQos);
+  } else {
+    subscribe_transforms();
+  }
   node_.subscribe<ros::DiagnosticArray>(
       "rt/diagnostics", kReliableQos, [this](const ros::DiagnosticArray& array) {
         const std::lock_guard lock(mutex_);
@@ -61,10 +66,9 @@ Ros2Robot::Ros2Robot(std::uint32_t domain, Options options)
           }
         }
       });
-  if (options_.has_odometry_in_tf) {
-    tf_ = node_.advertise<ros::TfMessage>("rt/tf", kTfQos);
-    return;
-  }
+}
+
+void Ros2Robot::subscribe_transforms() {
   node_.subscribe<ros::TfMessage>("rt/tf", kTfQos, [this](const ros::TfMessage& message) {
     const std::lock_guard lock(mutex_);
     for (const ros::TransformStamped& transform : message.transforms) {
@@ -73,9 +77,10 @@ Ros2Robot::Ros2Robot(std::uint32_t domain, Options options)
   });
 }
 
-bool Ros2Robot::wait_for_subscribers() {
+bool Ros2Robot::wait_for_client() {
   return wait_until([this] {
-    return scan_->matched() > 0 && (options_.has_odometry_in_tf ? tf_ : odom_)->matched() > 0;
+    return !diagnoses.empty() && scan_->matched() > 0 &&
+           (options_.has_odometry_in_tf ? tf_ : odom_)->matched() > 0;
   });
 }
 

@@ -43,8 +43,8 @@ class Ros2Robot {
     std::unique_lock lock(mutex_);
     return event_.wait_for(lock, timeout, is_true);
   }
-  /// Until both of its publishers have a subscriber.
-  bool wait_for_subscribers();
+  /// Until the client receives its messages, and it those of the client.
+  bool wait_for_client();
 
   struct TruePose {
     double stamp;
@@ -66,6 +66,7 @@ class Ros2Robot {
 
  private:
   void publish_mount();
+  void subscribe_transforms();
   void publish_odometry(const TruePose& pose);
   void publish_scan(const TruePose& pose);
   /// What is sent by best effort is lost as long as the client has not discovered its publisher.

@@ -67,7 +67,7 @@ class Ros2Test : public ::testing::Test {
 TEST_F(Ros2Test, PublishesThePoseOnceAndOnlyWhenTheServerHasLocalizedTheRobot) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({"--map", "office"});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   robot.cover_lidar(true);
   robot.drive(5);
   EXPECT_EQ(robot.status(), "collecting");
@@ -84,7 +84,7 @@ TEST_F(Ros2Test, PublishesThePoseOnceAndOnlyWhenTheServerHasLocalizedTheRobot) {
 TEST_F(Ros2Test, ReportsStatusReasonEpochAndConfidence) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   robot.cover_lidar(true);
   robot.drive(1);
   const testing::ros::DiagnosticStatus first = robot.diagnoses.back();
@@ -109,7 +109,7 @@ TEST_F(Ros2Test, TakesOdometryOfTfAndALaserThatHangsUpsideDown) {
                                  .has_odometry_in_tf = true,
                                  .is_upside_down = true});
   const auto client = start({"--map", "office"});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   drive_until(robot, "localized");
   ASSERT_TRUE(robot.wait_until([&] { return !robot.poses.empty(); }));
   expect_true_pose(robot, robot.poses.front());
@@ -120,13 +120,13 @@ TEST_F(Ros2Test, TakesOdometryOfTfAndALaserThatHangsUpsideDown) {
 TEST_F(Ros2Test, MatchesAnOdometryPublisherOfBestEffort) {
   Ros2Robot robot(domain_.id(), {.ns = "", .prefix = "", .odom_qos = testing::kSensorQos});
   const auto client = start({});
-  EXPECT_TRUE(robot.wait_for_subscribers());
+  EXPECT_TRUE(robot.wait_for_client());
 }
 
 TEST_F(Ros2Test, PublishesTheTransformFromMapToOdomWithEveryPose) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({"--tf"});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   drive_until(robot, "localized");
   robot.drive(3);
   ASSERT_TRUE(robot.wait_until([&] { return robot.transforms.size() == 4; }));
@@ -141,7 +141,7 @@ TEST_F(Ros2Test, PublishesTheTransformFromMapToOdomWithEveryPose) {
 TEST_F(Ros2Test, WaitsForConfirmationWhereItIsAskedTo) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({"--when", "confirmed"});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   drive_until(robot, "localized");
   const auto is_confirmed = [&] { return robot.diagnoses.back().value("confirmed") == "true"; };
   EXPECT_FALSE(is_confirmed());
@@ -157,7 +157,7 @@ TEST_F(Ros2Test, WaitsForConfirmationWhereItIsAskedTo) {
 TEST_F(Ros2Test, PublishesAgainAfterTheClockWasSetBack) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   drive_until(robot, "localized");
   ASSERT_TRUE(robot.wait_until([&] { return robot.poses.size() == 1; }));
   robot.restart_clock();
@@ -171,8 +171,8 @@ TEST_F(Ros2Test, ServesSeveralRobotsInOneProcess) {
   Ros2Robot one(domain_.id(), {.ns = "/one", .prefix = "one/", .begin_rad = 2.0});
   Ros2Robot two(domain_.id(), {.ns = "/two", .prefix = "two/", .begin_rad = 4.5});
   const auto client = start({"--robot", "one=one", "--robot", "two=/two"});
-  ASSERT_TRUE(one.wait_for_subscribers());
-  ASSERT_TRUE(two.wait_for_subscribers());
+  ASSERT_TRUE(one.wait_for_client());
+  ASSERT_TRUE(two.wait_for_client());
   for (Ros2Robot* robot : {&one, &two}) {
     drive_until(*robot, "localized");
     ASSERT_TRUE(robot->wait_until([&] { return !robot->poses.empty(); }));
@@ -183,7 +183,7 @@ TEST_F(Ros2Test, ServesSeveralRobotsInOneProcess) {
 TEST_F(Ros2Test, DeletesItsSessionAtSigterm) {
   Ros2Robot robot(domain_.id(), {});
   const auto client = start({});
-  ASSERT_TRUE(robot.wait_for_subscribers());
+  ASSERT_TRUE(robot.wait_for_client());
   robot.drive(1);
   ASSERT_THAT(http_.get("/v1/sessions").json()["sessions"], SizeIs(1));
   client->signal(SIGTERM);
