@@ -1,4 +1,4 @@
-/// \file  A simulated robot of ROS 2 that drives in the room of room_drive.hpp.
+/// \file  A simulated robot of ROS 2 in the room of room_drive.hpp.
 #pragma once
 
 #include <chrono>
@@ -27,7 +27,7 @@ class Ros2Robot {
     bool is_upside_down = false;      ///< The laser.
   };
 
-  /// Publishes where the laser is, once, to whoever comes later.
+  /// Publishes where the laser is, once, also for those that come later.
   Ros2Robot(std::uint32_t domain, Options options);
 
   /// Drives on by `count` scans. The client has reported its answer to each before the next one.
