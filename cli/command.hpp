@@ -47,6 +47,7 @@ void add_backup_command(CLI::App& app, int& exit_code);
 void add_map_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_slam_command(CLI::App& app, int& exit_code);
+void add_ros2_command(CLI::App& app, int& exit_code);
 void add_serve_command(CLI::App& app, int& exit_code);
 void add_evaluate_command(CLI::App& app, int& exit_code);
 void add_scene_command(CLI::App& app, int& exit_code);

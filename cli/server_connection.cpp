@@ -28,14 +28,18 @@ CLI::Validator server_url() {
 
 }  // namespace
 
-void add_connection_options(CLI::App& command, ConnectionOptions& options) {
-  command.add_option("--server", options.server.url, "URL of the server")
+void add_server_options(CLI::App& command, ServerAddress& server) {
+  command.add_option("--server", server.url, "URL of the server")
       ->check(server_url())
       ->capture_default_str()
       ->group("Server");
-  command.add_option("--token", options.server.token, "Token, where the server asks for one")
+  command.add_option("--token", server.token, "Token, where the server asks for one")
       ->envname("CORNERFIX_TOKEN")
       ->group("Server");
+}
+
+void add_connection_options(CLI::App& command, ConnectionOptions& options) {
+  add_server_options(command, options.server);
   command
       .add_flag("--print-curl", options.print_curl,
                 "Print the equivalent curl lines, send nothing; large bodies go to files")

@@ -17,6 +17,9 @@ struct ConnectionOptions {
   bool print_curl = false;
 };
 
+/// --server and --token.
+void add_server_options(CLI::App& command, ServerAddress& server);
+
 /// --server, --token and --print-curl, which every client command takes.
 void add_connection_options(CLI::App& command, ConnectionOptions& options);
 

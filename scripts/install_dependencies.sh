@@ -14,8 +14,9 @@ build=(
   libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libsqlite3-dev libsqlitecpp-dev
   libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev
   libjs-leaflet
+  cyclonedds-dev cyclonedds-tools
 )
-test=(git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml)
+test=(libfastrtps-dev git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;

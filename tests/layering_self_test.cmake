@@ -15,6 +15,9 @@ foreach(line
     "api/a.cpp|#include \"storage/database.hpp\""
     "evaluation/metrics/a.hpp|#include \"cli/log_reader.hpp\""
     "server/a.hpp|#include <httplib.h>"
+    "frames/a.hpp|#include \"cli/log_reader.hpp\""
+    "ros2/a.cpp|#include \"server/http_server.hpp\""
+    "cli/a.cpp|#include <dds/dds.h>"
     "server/a.cpp|#include <sqlite3.h>"
     "web/app.js|fetch('v1/maps')")
   string(REPLACE "|" ";" parts "${line}")

@@ -34,17 +34,20 @@ sources(storage storage)
 sources(api api)
 sources(server server)
 sources(evaluation evaluation)
-sources(all core storage api server evaluation cli)
+sources(frames frames)
+sources(ros2 ros2)
+sources(all core storage api server evaluation frames ros2 cli)
 
 # web --HTTP--> server --> api -----> core;  cli --> server --> storage --> core
 # cli, bench, tests --> evaluation --> core
-forbid(FILES ${core} PATTERN "${include}(storage|api|server|evaluation|cli)/" REASON "core knows no other module")
+# cli --> ros2 --HTTP--> server;  cli, ros2 --> frames --> core
+forbid(FILES ${core} PATTERN "${include}(storage|api|server|evaluation|frames|ros2|cli)/" REASON "core knows no other module")
 forbid(FILES ${core} PATTERN "${include}(nlohmann|simdjson|httplib|sqlite3|SQLiteCpp|spdlog|CLI|prometheus)"
   REASON "core knows nothing of HTTP, JSON, SQL, logging and command lines")
 forbid(FILES core/include/*.hpp PATTERN "${include}(opencv2|png|yaml-cpp)"
   REASON "core's headers show Eigen and the standard library only")
 forbid(FILES core/include/*.hpp PATTERN "${include}core/" REASON "installed headers include installed headers only")
-sources(users storage api server evaluation cli)
+sources(users storage api server evaluation frames ros2 cli)
 forbid(FILES ${users} PATTERN "${include}core/" REASON "only core, bench and tests may use what is private to core")
 
 # The layers of core/src, from the lowest to the highest, each with the public headers that it implements.
@@ -69,14 +72,17 @@ while(higher_layers)
 endwhile()
 forbid(FILES ${core} PATTERN "${include}[a-z_0-9]+\\.hpp\"" REASON "core includes from the repository root")
 
-forbid(FILES ${storage} PATTERN "${include}(api|server|evaluation|cli)/" REASON "storage knows core only")
+forbid(FILES ${storage} PATTERN "${include}(api|server|evaluation|frames|ros2|cli)/" REASON "storage knows core only")
 forbid(FILES ${storage} PATTERN "${include}(nlohmann|simdjson|httplib)" REASON "storage knows no JSON and no HTTP")
-forbid(FILES ${api} PATTERN "${include}(storage|server|evaluation|cli)/" REASON "api knows core only")
+forbid(FILES ${api} PATTERN "${include}(storage|server|evaluation|frames|ros2|cli)/" REASON "api knows core only")
 forbid(FILES ${api} PATTERN "${include}(httplib|sqlite3|SQLiteCpp)" REASON "api knows no HTTP library and no SQL")
-forbid(FILES ${server} PATTERN "${include}(evaluation|cli)/" REASON "the server knows neither scores nor its command line")
-forbid(FILES ${evaluation} PATTERN "${include}(storage|api|server|cli)/" REASON "evaluation knows core only")
+forbid(FILES ${server} PATTERN "${include}(evaluation|frames|ros2|cli)/" REASON "the server knows neither scores nor its command line")
+forbid(FILES ${evaluation} PATTERN "${include}(storage|api|server|frames|ros2|cli)/" REASON "evaluation knows core only")
 forbid(FILES ${evaluation} PATTERN "${include}(nlohmann|simdjson|httplib|sqlite3|SQLiteCpp|spdlog|CLI|prometheus)"
   REASON "evaluation knows nothing of HTTP, JSON, SQL, logging and command lines")
+forbid(FILES ${frames} PATTERN "${include}(storage|api|server|evaluation|ros2|cli)/" REASON "frames knows core only")
+forbid(FILES ${ros2} PATTERN "${include}(storage|api|server|evaluation|cli)/"
+  REASON "ros2 knows the server by the HTTP API only")
 forbid(FILES server/localization_service.* PATTERN "${include}(nlohmann|simdjson|httplib|SQLiteCpp)"
   REASON "the use cases know no HTTP, JSON or SQL")
 
@@ -86,8 +92,9 @@ forbid(FILES ${all} EXCEPT "^(storage/|cli/bag/sqlite_bag\\.cpp$)" PATTERN "${in
   REASON "SQLiteCpp is for storage, and for bags that are SQLite files")
 forbid(FILES ${all} EXCEPT "^cli/bag/decompress\\.cpp$" PATTERN "${include}(bzlib|lz4frame|zstd)\\.h"
   REASON "bz2, lz4 and zstd are for cli/bag/decompress.cpp")
-forbid(FILES ${all} EXCEPT "^(server|cli)/[^/]*\\.cpp$" PATTERN "${include}httplib"
-  REASON "httplib.h is for sources of server and cli, never for a header")
+forbid(FILES ${all} EXCEPT "^(server|cli|ros2)/[^/]*\\.cpp$" PATTERN "${include}httplib"
+  REASON "httplib.h is for sources of server, cli and ros2, never for a header")
+forbid(FILES ${all} EXCEPT "^ros2/" PATTERN "${include}dds/" REASON "Cyclone DDS is for ros2")
 forbid(FILES ${all} EXCEPT "^core/src/" PATTERN "${include}opencv2" REASON "OpenCV is for core's sources")
 forbid(FILES ${all} EXCEPT "^core/src/slam/pose_graph.cpp$" PATTERN "${include}ceres" REASON "Ceres is for the pose graph")
 

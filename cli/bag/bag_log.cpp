@@ -3,16 +3,16 @@
 #include <cstdio>
 #include <deque>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "cli/bag/bag_messages.hpp"
 #include "cli/bag/bag_survey.hpp"
-#include "cli/bag/frame_tree.hpp"
 #include "cli/bag/point_cloud_slice.hpp"
-#include "cli/bag/robot_odometry.hpp"
 #include "cli/bag/stamp_range.hpp"
 #include "cli/log_source.hpp"
+#include "frames/floor_pose.hpp"
+#include "frames/frame_tree.hpp"
+#include "frames/robot_odometry.hpp"
 
 namespace cornerfix::cli {
 
@@ -24,9 +24,6 @@ constexpr std::size_t kMaxWaiting = 256;
 
 /// After as many scans without any odometry people should know.
 constexpr std::size_t kScansWithoutOdometry = 20;
-
-/// The laser's z axis must be within 25 degrees of the vertical.
-const double kLeastUpright = std::cos(25.0 * std::numbers::pi / 180.0);
 
 struct WaitingScan {
   LaserScanMessage message;
@@ -42,14 +39,6 @@ LaserScan turned_over(LaserScan scan) {
   std::reverse(scan.ranges.begin(), scan.ranges.end());
   return scan;
 }
-
-/// Position and heading of the x axis, seen from above.
-Pose2 on_the_floor(const Eigen::Isometry3d& T) {
-  return {T.translation().x(), T.translation().y(), std::atan2(T(1, 0), T(0, 0))};
-}
-
-/// How upright the laser stands: 1, or -1 when it hangs upside down.
-double uprightness(const Eigen::Isometry3d& T) { return T(2, 2); }
 
 /// "/scan (sensor_msgs/LaserScan, 120 messages), ..."
 std::string list(const std::vector<BagTopic>& topics) {
@@ -189,8 +178,8 @@ class BagLog final : public LogSource {
     out.time_increment = waiting.message.time_increment;
     const auto in_map = find_in_map(waiting);
     const auto in_odom = find_in_odom(waiting);
-    if (in_map) out.T_map_laser = on_the_floor(in_map->transform);
-    if (in_odom) out.T_odom_laser = on_the_floor(in_odom->T_odom_frame.transform);
+    if (in_map) out.T_map_laser = floor_pose(in_map->transform);
+    if (in_odom) out.T_odom_laser = floor_pose(in_odom->T_odom_frame.transform);
     if (in_odom && !in_odom->note.empty()) note_assumption(in_odom->note);
     count_odometry(in_odom.has_value(), waiting.message.frame);
     double upright = 1.0;

@@ -43,12 +43,7 @@ std::optional<Eigen::Isometry3d> read_pose(WireReader& reader) {
   for (double& coordinate : translation) coordinate = reader.number<double>();
   Eigen::Quaterniond rotation;
   for (double& coefficient : rotation.coeffs()) coefficient = reader.number<double>();
-  const double norm = rotation.norm();
-  if (!translation.allFinite() || !(std::abs(norm - 1.0) < 0.1)) return std::nullopt;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation.normalized().toRotationMatrix();
-  pose.translation() = translation;
-  return pose;
+  return rigid_transform(translation, rotation);
 }
 
 Result<StampedTransform> read_transform(WireReader& reader, WireFormat format) {

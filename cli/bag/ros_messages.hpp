@@ -13,6 +13,7 @@
 #include <cornerfix/result.hpp>
 
 #include "cli/bag/wire_reader.hpp"
+#include "frames/stamped_transform.hpp"
 
 namespace cornerfix::cli {
 
@@ -33,14 +34,6 @@ struct PointCloudMessage {
   std::string frame;
   double stamp = 0.0;
   std::vector<Eigen::Vector3f> points;
-};
-
-/// geometry_msgs/TransformStamped: takes points of `child` into `parent` from `stamp` [s] on.
-struct StampedTransform {
-  double stamp = 0.0;
-  std::string parent;
-  std::string child;
-  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
 };
 
 /// Frames come without a leading slash. A message that ends too early, a length that it cannot

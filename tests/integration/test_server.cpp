@@ -1,16 +1,9 @@
 #include "integration/test_server.hpp"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <spawn.h>
 #include <spdlog/spdlog.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <stdexcept>
-
-extern char** environ;
 
 namespace cornerfix::testing {
 namespace {
@@ -23,10 +16,9 @@ Json ranges_json(const LaserScan& scan) {
   return ranges;
 }
 
-std::string read_line(int fd) {
-  std::string line;
-  for (char c = 0; ::read(fd, &c, 1) == 1 && c != '\n';) line += c;
-  return line;
+std::vector<std::string> with_command(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "serve");
+  return arguments;
 }
 
 }  // namespace
@@ -46,47 +38,10 @@ TestServer::~TestServer() {
   thread_.join();
 }
 
-ServerProcess::ServerProcess(const std::vector<std::string>& arguments) {
-  std::vector<std::string> texts = {CORNERFIX_PROGRAM, "serve"};
-  texts.insert(texts.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& text : texts) argv.push_back(text.data());
-  argv.push_back(nullptr);
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  const int error = posix_spawn(&pid_, CORNERFIX_PROGRAM, &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  ::close(ends[1]);
-  stdout_ = ends[0];
-  if (error != 0) throw std::runtime_error("cannot start the program");
-  first_line_ = read_line(stdout_);
+ServerProcess::ServerProcess(const std::vector<std::string>& arguments)
+    : program_(CORNERFIX_PROGRAM, with_command(arguments)), first_line_(program_.read_line()) {
   const auto colon = first_line_.rfind(':');
   if (colon != std::string::npos) port_ = std::stoi(first_line_.substr(colon + 1));
-}
-
-ServerProcess::~ServerProcess() {
-  if (pid_ > 0) {
-    signal(SIGKILL);
-    wait();
-  }
-  ::close(stdout_);
-}
-
-void ServerProcess::signal(int number) const { ::kill(pid_, number); }
-
-int ServerProcess::wait() {
-  char buffer[4096];
-  for (ssize_t size = 0; (size = ::read(stdout_, buffer, sizeof buffer)) > 0;) {
-    rest_.append(buffer, static_cast<std::size_t>(size));
-  }
-  int status = 0;
-  ::waitpid(pid_, &status, 0);
-  pid_ = -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
 Json pose_json(const Pose2& pose) { return {{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}}; }

@@ -2,8 +2,6 @@
 /// program.
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +11,7 @@
 #include "integration/http_client.hpp"
 #include "server/http_server.hpp"
 #include "server/server_config.hpp"
+#include "support/program.hpp"
 #include "support/room_drive.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -36,25 +35,20 @@ class TestServer {
 class ServerProcess {
  public:
   explicit ServerProcess(const std::vector<std::string>& arguments);
-  ~ServerProcess();
-  ServerProcess(const ServerProcess&) = delete;
-  ServerProcess& operator=(const ServerProcess&) = delete;
 
   /// Of the line it says when it is ready; 0 when it ended without one.
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] const std::string& first_line() const { return first_line_; }
-  void signal(int number) const;
+  void signal(int number) const { program_.signal(number); }
   /// The exit code, or minus the signal that ended it. All it said after the first line is in
   /// `rest_of_output`.
-  int wait();
-  [[nodiscard]] const std::string& rest_of_output() const { return rest_; }
+  int wait() { return program_.wait(); }
+  [[nodiscard]] const std::string& rest_of_output() const { return program_.rest_of_output(); }
 
  private:
-  pid_t pid_ = -1;
-  int stdout_ = -1;
-  int port_ = 0;
+  Program program_;
   std::string first_line_;
-  std::string rest_;
+  int port_ = 0;
 };
 
 [[nodiscard]] Json pose_json(const Pose2& pose);

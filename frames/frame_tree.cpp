@@ -1,8 +1,8 @@
-#include "cli/bag/frame_tree.hpp"
+#include "frames/frame_tree.hpp"
 
 #include <algorithm>
 
-namespace cornerfix::cli {
+namespace cornerfix {
 
 namespace {
 
@@ -71,4 +71,4 @@ std::optional<FoundTransform> FrameTree::between(const std::string& target,
   return std::nullopt;
 }
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix

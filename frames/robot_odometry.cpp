@@ -1,9 +1,9 @@
-#include "cli/bag/robot_odometry.hpp"
+#include "frames/robot_odometry.hpp"
 
 #include <algorithm>
 #include <iterator>
 
-namespace cornerfix::cli {
+namespace cornerfix {
 
 namespace {
 
@@ -78,4 +78,4 @@ std::optional<RobotOdometry::Found> RobotOdometry::from_messages(const FrameTree
                std::move(note)};
 }
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix

@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-namespace cornerfix::cli {
+namespace cornerfix {
 
 struct FoundTransform {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
@@ -40,4 +40,4 @@ class TransformTrack {
   bool has_moved_ = false;
 };
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix

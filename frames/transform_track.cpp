@@ -1,10 +1,10 @@
-#include "cli/bag/transform_track.hpp"
+#include "frames/transform_track.hpp"
 
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
-namespace cornerfix::cli {
+namespace cornerfix {
 
 namespace {
 
@@ -66,4 +66,4 @@ std::optional<FoundTransform> TransformTrack::at(const Samples& samples, double 
       interpolate(before.transform, after->transform, (stamp - before.stamp) / gap), true};
 }
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix

@@ -1,11 +1,11 @@
-#include "cli/bag/frame_tree.hpp"
+#include "frames/frame_tree.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-namespace cornerfix::cli {
+namespace cornerfix {
 namespace {
 
 StampedTransform moved(double stamp, std::string parent, std::string child, double x,
@@ -99,4 +99,4 @@ TEST(FrameTree, StartsAnewWhenTheClockWasSetBack) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix

@@ -8,10 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "cli/bag/ros_messages.hpp"
-#include "cli/bag/transform_track.hpp"
+#include "frames/stamped_transform.hpp"
+#include "frames/transform_track.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix {
 
 /// Whether a frame's name begins with `name` after its last '/': "odom" finds
 /// "robot1/odom_combined".
@@ -59,4 +59,4 @@ class FrameTree {
   std::unordered_map<std::string, Edge> edges_;  ///< By child.
 };
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix

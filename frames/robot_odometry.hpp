@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "cli/bag/frame_tree.hpp"
+#include "frames/frame_tree.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix {
 
 /// Not synchronised.
 class RobotOdometry {
@@ -48,4 +48,4 @@ class RobotOdometry {
   std::string child_;  ///< Empty: no message so far.
 };
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix
