@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-from real_server import CLIENT, WILLOW, RealServer, record_run
+from real_server import CLIENT, SHORT_SIGHTED, WILLOW, RealServer, record_run
 
 sys.path.insert(0, str(CLIENT))
 from cornerfix import (
@@ -168,7 +168,7 @@ class BridgeTest(unittest.TestCase):
         cls.addClassCleanup(directory.cleanup)
         cls.directory = pathlib.Path(directory.name)
         log = cls.directory / "robot.jsonl.gz"
-        record_run(cls.cornerfix, log, "--seed", "2", "--length", "4")
+        record_run(cls.cornerfix, log, *SHORT_SIGHTED, "--seed", "2", "--length", "4")
         cls.scans = list(read_log(log))
         cls.server = RealServer(cls.cornerfix, cls.directory / "maps.db")
         cls.addClassCleanup(lambda: cls.server.stop())
@@ -181,11 +181,14 @@ class BridgeTest(unittest.TestCase):
         self.bridge = Bridge(settings, self.answers.put, self.failures.put)
         self.addCleanup(self.bridge.close)
 
-    def drive(self, scans):
-        """Hands over odometry and scans, and returns the answers, one per batch of 5."""
+    def hand_over(self, scans):
         for scan in scans:
             self.bridge.add_odometry(scan.stamp, scan.odom)
             self.bridge.add_scan(Scan(scan.stamp, scan.ranges, scan.lidar))
+
+    def drive(self, scans):
+        """The answers, one per batch of 5 scans."""
+        self.hand_over(scans)
         return [self.answers.get(timeout=WAIT_S) for _ in range(len(scans) // 5)]
 
     def test_localizes_and_resets(self):
@@ -202,12 +205,11 @@ class BridgeTest(unittest.TestCase):
         self.drive(self.scans[:5])
         self.server.kill()
         try:
-            for scan in self.scans[5:10]:
-                self.bridge.add_scan(scan)
+            self.hand_over(self.scans[5:10])
             self.assertIsInstance(self.failures.get(timeout=WAIT_S), Unreachable)
         finally:
             self.server.start()
-        self.bridge.add_scan(self.scans[10])
+        self.hand_over(self.scans[10:11])
         self.assertEqual(self.answers.get(timeout=WAIT_S).sequence, 1)
 
     def test_changes_the_map(self):
