@@ -36,13 +36,13 @@ class Tutorial:
 
     def script(self):
         """One shell script; a line behind each block marks where its output ends."""
-        parts = ["trap 'kill $(jobs -p) 2>/dev/null' EXIT"]
+        parts = []
         for number, block in enumerate(self.blocks):
             if block["kind"] == "bash":
                 parts.append(block["text"])
             elif block["kind"] != "text":
                 parts.append(f"cat >{block['file']} <<'END OF FILE'\n{block['text']}END OF FILE")
-            parts.append(f"echo '{MARK}{number}'")
+            parts.append(f"printf '\\n{MARK}{number}\\n'")
         return "\n".join(parts)
 
     def check(self, output):
@@ -72,6 +72,8 @@ def moved(script):
     port, ros_port = free_port(), free_port()
     script = script.replace("8080", port).replace("11311", ros_port)
     script = script.replace("cornerfix serve", f"cornerfix serve --port {port}")
+    server = f" --server http://127.0.0.1:{port}"
+    script = re.sub(r"cornerfix (replay|map \w+)", lambda match: match.group() + server, script)
     return script.replace("roscore", f"roscore -p {ros_port}")
 
 
