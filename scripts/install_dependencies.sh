@@ -15,7 +15,7 @@ build=(
   libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev
   libjs-leaflet
 )
-test=(git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml)
+test=(git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml prometheus)
 
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;
