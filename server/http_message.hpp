@@ -19,7 +19,8 @@ namespace cornerfix::server {
 class EventSubscription;
 
 struct Request {
-  std::string id;                     ///< Ours, for the log and the answer.
+  std::string id;                     ///< The client's or ours, for the log and the answer.
+  std::string traceparent;            ///< The client's, when it is one.
   std::string method;                 ///< As sent; a HEAD is told from a GET here only.
   std::vector<std::string> captures;  ///< Path segments that matched `{…}`, percent-decoded once.
   std::multimap<std::string, std::string> query;

@@ -408,5 +408,79 @@ TEST_F(LocalizationServiceTest, ListsSessionsInPages) {
   EXPECT_TRUE(service_.list({.robot = "another"}).value().sessions.empty());
 }
 
+class SeveralMaps : public LocalizationServiceTest {
+ protected:
+  static constexpr std::size_t kBatches = 20;  // Enough new ground to confirm the pose.
+
+  SeveralMaps() { drive_ = testing::robot_drive(3 * kBatches + 6); }
+
+  void SetUp() override {
+    ASSERT_TRUE(process_.maps->put("lab", {}));
+    ASSERT_TRUE(process_.maps->grow("lab", testing::mapping_drive(100.0, far_room())));
+  }
+
+  static testing::SceneBuilder far_room() {
+    return testing::figure7_outline().box({2.0, 2.0}, {2, 1}, 0.3);
+  }
+
+  /// A session in any map, driven until its pose is confirmed.
+  std::string confirmed_session(Process& process) {
+    const std::string id = create(process, {});
+    for (std::size_t i = 0; i < kBatches; ++i) answer(process, id, batch(i));
+    const auto stored = process.stores->with_sessions(
+        [&](storage::SessionStore& sessions) { return sessions.find(id); });
+    EXPECT_TRUE(stored.value().value().state.confirmed);
+    return id;
+  }
+};
+
+TEST_F(SeveralMaps, OnlyTheTrackedOneIsLoadedAfterARestart) {
+  const std::string id = confirmed_session(process_);
+  const std::string next = answer(process_, id, batch(kBatches));
+  EXPECT_THAT(next, HasSubstr("in office"));
+
+  Process restarted(file());
+  answer(restarted, id, batch(kBatches + 1));
+  EXPECT_EQ(restarted.maps->cache_use().loads, 1U);
+}
+
+TEST_F(SeveralMaps, OtherMapsGoOnceThePoseIsConfirmed) {
+  Process process(file(), {.max_map_bytes = 1});
+  const std::string id = confirmed_session(process);
+  answer(process, id, batch(kBatches));
+  ASSERT_TRUE(process.maps->load("office"));  // The cache has room for no other.
+  const auto loads = process.maps->cache_use().loads;
+  ASSERT_TRUE(process.maps->load("office"));
+  EXPECT_EQ(process.maps->cache_use().loads, loads);
+  ASSERT_TRUE(process.maps->load("lab"));
+  EXPECT_EQ(process.maps->cache_use().loads, loads + 1);
+}
+
+TEST_F(SeveralMaps, OnlyTheOneThatChangedIsLoadedAgain) {
+  Process process(file(), {.max_map_bytes = 1});
+  const std::string id = create(process, {});
+  answer(process, id, batch(0));
+  EXPECT_EQ(process.maps->cache_use().loads, 2U);
+  ASSERT_TRUE(process.maps->put("lab", {"another text", {}, {}}));
+  answer(process, id, batch(1));
+  EXPECT_EQ(process.maps->cache_use().loads, 2U);
+  ASSERT_TRUE(process.maps->grow("lab", testing::mapping_drive(900.0, far_room())));
+  answer(process, id, batch(2));
+  EXPECT_EQ(process.maps->cache_use().loads, 3U);
+}
+
+TEST_F(SeveralMaps, AreNotSearchedTogetherWhenTheyAreTooLarge) {
+  Process process(file(), {}, {.max_searched_map_bytes = 1});
+  const std::string id = create(process, {});
+  for (int i = 0; i < 2; ++i) {
+    const auto refused = process.localization.post_scans(id, batch(0));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+    EXPECT_THAT(refused.error().message, HasSubstr("max_searched_map_bytes"));
+  }
+  EXPECT_EQ(process.maps->cache_use().loads, 1U);  // The second time it is known before.
+  EXPECT_THAT(answer(process, create(process), batch(0)), HasSubstr(" 0 "));
+}
+
 }  // namespace
 }  // namespace cornerfix::server
