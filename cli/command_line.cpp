@@ -30,6 +30,7 @@ int run_command_line(int argc, const char* const* argv) {
   app.set_version_flag("--version", "cornerfix " CORNERFIX_VERSION, "Print the version and exit");
   app.footer("Exit codes: 0 done, 1 it could not, 2 wrong use.");
   int exit_code = kDone;
+  add_load_command(app, exit_code);
   add_map_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_serve_command(app, exit_code);
@@ -39,6 +40,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_slam_command(app, exit_code);
   add_backup_command(app, exit_code);
   add_ros2_command(app, exit_code);
+  add_token_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RequiredError& error) {

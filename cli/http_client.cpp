@@ -126,6 +126,12 @@ class HttpClient::Connection {
     }
   }
 
+  Result<HttpReply> ask(const HttpRequest& request) {
+    httplib::Result result = send_once(request);
+    if (!result) return unreachable(result.error());
+    return HttpReply{result->status, std::move(result->body)};
+  }
+
  private:
   httplib::Result send_once(const HttpRequest& request) {
     httplib::Request plain = to_httplib(request);
@@ -176,5 +182,7 @@ Result<HttpClient> HttpClient::create(const ServerAddress& server) {
 Result<std::string> HttpClient::send(const HttpRequest& request) {
   return connection_->send(request);
 }
+
+Result<HttpReply> HttpClient::ask(const HttpRequest& request) { return connection_->ask(request); }
 
 }  // namespace cornerfix::cli

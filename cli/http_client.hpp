@@ -10,6 +10,12 @@
 
 namespace cornerfix::cli {
 
+/// Any answer, also one of an error.
+struct HttpReply {
+  int status = 0;
+  std::string body;
+};
+
 /// One thread at a time.
 class HttpClient {
  public:
@@ -22,6 +28,9 @@ class HttpClient {
   /// and a code that fits. Waits and asks again when the server says so (429, 503), and once more
   /// when the connection broke under a request that may be repeated.
   [[nodiscard]] Result<std::string> send(const HttpRequest& request);
+
+  /// Sends once and does not wait, whatever the answer is. kUnavailable without one.
+  [[nodiscard]] Result<HttpReply> ask(const HttpRequest& request);
 
  private:
   class Connection;

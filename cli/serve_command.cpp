@@ -1,7 +1,7 @@
 #include <malloc.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "cli/command.hpp"
+#include "server/event_log.hpp"
 #include "server/http_server.hpp"
 #include "server/server_config.hpp"
 
@@ -124,7 +125,9 @@ void raise_descriptor_limit() {
 int serve(const ServerConfig& config, const ServeArguments& arguments) {
   mallopt(M_ARENA_MAX, kMaxHeaps);
   mallopt(M_MMAP_THRESHOLD, kMappedBufferBytes);
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("cornerfix"));
+  const bool is_terminal = ::isatty(STDERR_FILENO) == 1;
+  server::begin_log(config.log_format.value_or(is_terminal ? server::LogFormat::kText
+                                                           : server::LogFormat::kJson));
   raise_descriptor_limit();
   if (!config.tokens.empty() && arguments.config && server::is_open_to_others(*arguments.config)) {
     spdlog::warn("{} holds tokens, but others than its owner can read or change it: chmod 600",

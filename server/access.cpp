@@ -38,21 +38,40 @@ bool may(Role role, Access access) {
     case Access::kRead:
       return true;
     case Access::kSession:
-      return role != Role::kViewer;
-    case Access::kAdmin:
-      return role == Role::kAdmin;
+      return role == Role::kRobot || role == Role::kAdmin;
+    case Access::kMap:
+      return role == Role::kMapper || role == Role::kAdmin;
   }
   return false;
 }
 
-std::optional<Principal> TokenTable::identify(std::string_view authorization) const {
-  if (tokens_.empty()) return Principal{};
+bool Principal::may_use(std::string_view map) const {
+  return maps.empty() || std::ranges::find(maps, map) != maps.end();
+}
+
+TokenTable::TokenTable(std::vector<Token> tokens, const std::vector<storage::TokenRecord>& stored)
+    : tokens_(std::move(tokens)) {
+  for (const storage::TokenRecord& token : stored) {
+    const auto role = role_from(token.role);
+    if (!role) continue;  // Of a newer program.
+    stored_.emplace(token.hash, StoredToken{{*role, token.name, token.maps}, token.expires});
+  }
+}
+
+std::optional<Principal> TokenTable::identify(std::string_view authorization,
+                                              std::string_view now) const {
+  if (is_empty()) return Principal{};
   const std::string_view given = bearer_token(authorization);
   std::optional<Principal> found;
   for (const Token& token : tokens_) {
     if (equal_in_constant_time(token.token, given)) found = Principal{token.role, token.name};
   }
-  return found;
+  if (found || given.empty()) return found;
+  const auto stored = stored_.find(storage::hash_of_token(given));
+  if (stored == stored_.end()) return std::nullopt;
+  const bool has_expired = !stored->second.expires.empty() && stored->second.expires <= now;
+  if (has_expired) return std::nullopt;
+  return stored->second.holder;
 }
 
 }  // namespace cornerfix::server

@@ -16,9 +16,13 @@ Response ready(const Services& services, const Request& request) {
 }
 
 Response metrics(const Services& services) {
-  const SessionCounts counts = services.localization->count_by_status();
-  return Response{.content_type = "text/plain; version=0.0.4; charset=utf-8",
-                  .body = services.metrics->render(counts, services.maps->cache_use())};
+  return Response{
+      .content_type = "text/plain; version=0.0.4; charset=utf-8",
+      .body = services.metrics->render({.sessions = services.localization->count_by_status(),
+                                        .maps = services.maps->cache_use(),
+                                        .load = services.load(),
+                                        .process = process_usage(),
+                                        .database = database_usage(services.stores->path())})};
 }
 
 }  // namespace

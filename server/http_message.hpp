@@ -19,7 +19,8 @@ namespace cornerfix::server {
 class EventSubscription;
 
 struct Request {
-  std::string id;                     ///< Ours, for the log and the answer.
+  std::string id;                     ///< The client's or ours, for the log and the answer.
+  std::string traceparent;            ///< The client's, when it is one.
   std::string method;                 ///< As sent; only here a HEAD differs from a GET.
   std::vector<std::string> captures;  ///< Path segments that matched `{…}`, percent-decoded once.
   std::multimap<std::string, std::string> query;

@@ -23,12 +23,14 @@
 #include "server/access.hpp"
 #include "server/connection_loop.hpp"
 #include "server/event_hub.hpp"
+#include "server/event_log.hpp"
 #include "server/host_check.hpp"
 #include "server/http_message.hpp"
 #include "server/listen_socket.hpp"
 #include "server/media_types.hpp"
 #include "server/request_body.hpp"
 #include "server/request_stream.hpp"
+#include "server/request_trace.hpp"
 #include "server/responses.hpp"
 #include "server/router.hpp"
 #include "server/routes.hpp"
@@ -90,6 +92,13 @@ bool may_have_body(std::string_view method) {
   return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
 }
 
+/// A table that is not empty and lets nobody in.
+std::shared_ptr<const TokenTable> nobodys_token() {
+  const std::vector<storage::TokenRecord> expired = {
+      {.name = "nobody", .role = "viewer", .expires = "1970-01-01T00:00:00Z"}};
+  return std::make_shared<const TokenTable>(std::vector<Token>{}, expired);
+}
+
 /// Whether a browser sends this on behalf of another site's page.
 bool is_cross_site(const httplib::Request& raw) {
   const std::string site = raw.get_header_value("Sec-Fetch-Site");
@@ -112,14 +121,13 @@ std::size_t possible_connections(std::size_t wanted) {
 
 struct HttpServer::Impl {
   explicit Impl(ServerConfig the_config)
-      : config(std::move(the_config)),
-        tokens(std::make_shared<const TokenTable>(config.tokens)),
-        hosts(config.listen, config.allowed_hosts) {}
+      : config(std::move(the_config)), hosts(config.listen, config.allowed_hosts) {}
 
   ServerConfig config;
   std::mutex tokens_mutex;
-  std::shared_ptr<const TokenTable> tokens;
-  HostCheck hosts;  ///< Used where there are no tokens.
+  std::shared_ptr<const TokenTable> tokens;  ///< Of configuration and database.
+  std::uint64_t tokens_epoch = 0;            ///< Of the store when they were read.
+  HostCheck hosts;                           ///< Used where there are no tokens.
   Services services;
   Router router;
   StaticFiles files;
@@ -142,6 +150,9 @@ struct HttpServer::Impl {
              const httplib::ContentReader* reader);
   void refuse_unread(const httplib::Request& raw, httplib::Response& out);
   std::string refuse_head(const Refusal& refusal);
+  ServerLoad load();
+  void log_batch(const BatchOrigin& origin, const BatchEvents& batch) const;
+  void log_request(const Exchange& exchange, int status, double ms) const;
   std::string next_request_id() { return id_prefix + "-" + std::to_string(next_id++); }
   Response answer(Exchange& exchange);
   Response answer_by_route(Exchange& exchange);
@@ -151,8 +162,19 @@ struct HttpServer::Impl {
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
 
+/// Those of the database are read anew when another process has changed it. When that fails, the
+/// old ones stay. A server with tokens does not become open when the last one is revoked.
 std::shared_ptr<const TokenTable> HttpServer::Impl::current_tokens() {
+  const auto epoch = services.stores->epoch();
   const std::lock_guard lock(tokens_mutex);
+  if (tokens && (!epoch || *epoch == tokens_epoch)) return tokens;
+  const auto stored = services.stores->tokens();
+  if (!stored) return tokens;
+  auto table = std::make_shared<const TokenTable>(config.tokens, *stored);
+  const bool was_closed = tokens && !tokens->is_empty();
+  if (was_closed && table->is_empty()) table = nobodys_token();
+  tokens = std::move(table);
+  tokens_epoch = epoch ? *epoch : 0;
   return tokens;
 }
 
@@ -170,6 +192,7 @@ Result<void> HttpServer::Impl::open_services() {
       MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
       now_text);
   services.reports = std::make_shared<ReportService>(services.maps);
+  services.load = [this] { return load(); };
   const auto events = services.events;
   const auto metrics = services.metrics;
   services.localization = std::make_shared<LocalizationService>(
@@ -185,15 +208,18 @@ Result<void> HttpServer::Impl::open_services() {
           .now = now_text,
           .clock_ms = now_ms,
           .on_batch =
-              [events, metrics](const std::string& session, const BatchEvents& batch,
-                                const std::function<SessionView()>& view) {
+              [this, events, metrics](const BatchOrigin& origin, const BatchEvents& batch,
+                                      const std::function<SessionView()>& view) {
                 metrics->count_batch(batch);
-                if (!events->is_watched(session)) return;
-                if (const auto event = last_answer_event(view())) events->publish(session, *event);
+                log_batch(origin, batch);
+                if (!events->is_watched(origin.session)) return;
+                if (const auto event = last_answer_event(view()))
+                  events->publish(origin.session, *event);
               },
           .idle_time = std::chrono::minutes(config.session_idle_minutes),
           .max_session_bytes = config.max_session_bytes,
           .max_sessions_per_robot = config.max_sessions_per_robot,
+          .max_searched_map_bytes = config.max_searched_map_bytes,
           .expired_before =
               [days = std::chrono::days(config.session_expiry_days)] {
                 return time_text(std::chrono::system_clock::now() - days);
@@ -273,20 +299,65 @@ void HttpServer::Impl::work(const RequestInWorkPtr& request) {
   connections->finish(request, stream.take_unsent(), is_kept);
 }
 
+ServerLoad HttpServer::Impl::load() {
+  const WorkerPool::Load threads = workers ? workers->load() : WorkerPool::Load{};
+  return {.connections = connections ? connections->count() : 0,
+          .requests_in_work = in_work,
+          .workers = threads.threads,
+          .busy_workers = threads.busy,
+          .event_clients = services.events->count()};
+}
+
+/// What an operator wants to find again: when a robot was localized, lost, or its pose withdrawn.
+void HttpServer::Impl::log_batch(const BatchOrigin& origin, const BatchEvents& batch) const {
+  for (const double seconds : batch.times_to_localization_s) {
+    log_event("localized",
+              {{"session", origin.session}, {"robot", origin.robot}, {"after_s", seconds}});
+  }
+  for (const auto& [cause, count] : batch.withdrawals) {
+    log_event("withdrawn",
+              {{"session", origin.session}, {"robot", origin.robot}, {"cause", to_string(cause)}});
+  }
+  if (batch.lost > 0) {
+    log_event("lost", {{"session", origin.session},
+                       {"robot", origin.robot},
+                       {"reason", to_string(batch.reason)}});
+  }
+}
+
+void HttpServer::Impl::log_request(const Exchange& exchange, int status, double ms) const {
+  const Request& request = exchange.request;
+  const bool is_of_session = exchange.route.starts_with("/v1/sessions/{id}");
+  const std::string_view session = is_of_session ? request.captures.front() : std::string_view{};
+  const bool is_robot = request.principal.role == Role::kRobot;
+  log_event("request", {{"request_id", request.id},
+                        {"trace_id", trace_id_of(request.traceparent)},
+                        {"client", exchange.raw.remote_addr},
+                        {"method", exchange.raw.method},
+                        {"path", exchange.raw.target.substr(0, exchange.raw.target.find('?'))},
+                        {"status", std::int64_t{status}},
+                        {"ms", ms},
+                        {"session", session},
+                        {"robot", is_robot ? request.principal.name : ""}});
+}
+
 void HttpServer::Impl::refuse_unread(const httplib::Request& raw, httplib::Response& out) {
   Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
   exchange.close = true;
   exchange.request.id = next_request_id();
   Response response = problem_response(out.status, "malformed", "The request cannot be read.");
-  spdlog::info("{} {} was not read: {}", exchange.request.id, raw.method, response.status);
+  log_request(exchange, response.status, 0.0);
   write(exchange, std::move(response), out);
 }
 
 std::string HttpServer::Impl::refuse_head(const Refusal& refusal) {
   Response response = problem_response(refusal.status, refusal.code, refusal.detail);
   const std::string id = next_request_id();
-  spdlog::info("{} was not read: {} {}", id, refusal.status, refusal.detail);
+  log_event(
+      "refused",
+      {{"request_id", id}, {"status", std::int64_t{refusal.status}}, {"detail", refusal.detail}});
   services.metrics->count_request("none", "none", refusal.status, 0.0);
+  if (refusal.status == 503) services.metrics->count_shed(refusal.code);
   add_common_headers(response, id);
   return last_answer(response);
 }
@@ -297,7 +368,10 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
   // The library's request is not const, it only hands it out so.
   Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = reader};
   exchange.framing = framing_of(raw);
-  exchange.request.id = next_request_id();
+  const std::string given_id = raw.get_header_value("X-Request-Id");
+  exchange.request.id = is_request_id(given_id) ? given_id : next_request_id();
+  const std::string traceparent = raw.get_header_value("traceparent");
+  if (is_traceparent(traceparent)) exchange.request.traceparent = traceparent;
   exchange.request.method = raw.method;
 
   Response response;
@@ -313,14 +387,14 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
 
   const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - begin).count();
   services.metrics->count_request(raw.method, exchange.route, response.status, ms / 1e3);
-  spdlog::info("{} {} {} {} {} {:.1f} ms", exchange.request.id, raw.remote_addr, raw.method,
-               raw.target.substr(0, raw.target.find('?')), response.status, ms);
+  log_request(exchange, response.status, ms);
   write(exchange, std::move(response), out);
 }
 
 Response HttpServer::Impl::answer(Exchange& exchange) {
   const httplib::Request& raw = exchange.raw;
   if (WorkerPool::is_shedding()) {
+    services.metrics->count_shed("busy");
     return problem_response(503, "busy", "Too many requests are in work; try again.");
   }
   if (raw.target.size() > kMaxTargetLength) return uri_too_long();
@@ -397,7 +471,7 @@ std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access acce
   if (known_tokens->is_empty()) {
     if (auto refusal = refuse_foreign_page(raw)) return refusal;
   }
-  const auto principal = known_tokens->identify(raw.get_header_value("Authorization"));
+  const auto principal = known_tokens->identify(raw.get_header_value("Authorization"), now_text());
   if (!principal) {
     Response response = problem_response(401, "unauthorized", "Send Authorization: Bearer TOKEN.");
     response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"cornerfix\"");
@@ -417,6 +491,8 @@ void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Res
     exchange.raw.headers.emplace("Connection", "close");
   }
   add_common_headers(response, exchange.request.id);
+  if (!exchange.request.traceparent.empty())
+    response.headers.emplace_back("traceparent", exchange.request.traceparent);
   out.status = response.status;
   for (const auto& [name, value] : response.headers) out.set_header(name.c_str(), value);
   if (response.events) {
@@ -440,6 +516,9 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config
   if (!listener) return listener.error();
   impl->port = listener->port();
   if (auto opened = impl->open_services(); !opened) return opened.error();
+  const auto tokens = impl->current_tokens();
+  if (!tokens) return Error{ErrorCode::kUnavailable, "the tokens cannot be read", ""};
+  if (auto error = check_listen(config, tokens->is_empty())) return *error;
   impl->set_up_http();
   impl->open_connections(std::move(*listener));
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
@@ -457,9 +536,12 @@ bool HttpServer::run() {
 }
 
 void HttpServer::set_tokens(std::vector<Token> tokens) {
-  auto table = std::make_shared<const TokenTable>(std::move(tokens));
-  const std::lock_guard lock(impl_->tokens_mutex);
-  impl_->tokens = std::move(table);
+  {
+    const std::lock_guard lock(impl_->tokens_mutex);
+    impl_->config.tokens = std::move(tokens);
+    impl_->tokens_epoch = 0;  // Epochs of the store begin at 1.
+  }
+  (void)impl_->current_tokens();
 }
 
 void HttpServer::drain() {

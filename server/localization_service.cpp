@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/batch_digest.hpp"
+#include "server/session_maps.hpp"
 
 namespace cornerfix::server {
 
@@ -62,10 +63,20 @@ struct ProcessedBatch {
   BatchEvents events;
 };
 
-ProcessedBatch process(Localizer& localizer, Status status, std::span<const RobotScan> scans) {
+/// Called before each scan but the first, with the answer to the one before it.
+using BetweenScans = std::function<Result<void>(const Answer&)>;
+
+Result<ProcessedBatch> process(Localizer& localizer, Status status,
+                               std::span<const RobotScan> scans,
+                               std::optional<double>& search_begin,
+                               const BetweenScans& between_scans = {}) {
   ProcessedBatch batch;
   StepTimes times;
   for (const RobotScan& scan : scans) {
+    if (status != Status::kLocalized && !search_begin) search_begin = scan.scan.stamp;
+    if (between_scans && batch.events.scans > 0) {
+      if (auto ready = between_scans(batch.answer); !ready) return ready.error();
+    }
     batch.answer = localizer.process(scan);
     add(times, batch.answer.times);
     ++batch.events.scans;
@@ -77,15 +88,16 @@ ProcessedBatch process(Localizer& localizer, Status status, std::span<const Robo
       batch.events.lost += batch.answer.status == Status::kLost ? 1U : 0U;
     }
     status = batch.answer.status;
+    if (status == Status::kLocalized && search_begin) {
+      batch.events.times_to_localization_s.push_back(scan.scan.stamp - *search_begin);
+      search_begin.reset();
+    }
   }
   batch.answer.times = times;
+  batch.events.status = status;
+  batch.events.reason = batch.answer.reason;
+  batch.events.times = times;
   return batch;
-}
-
-/// Whether a map could not be loaded for what it is, not because of something that may pass.
-bool is_of_the_map(const Error& error) {
-  return error.code == ErrorCode::kConflict || error.code == ErrorCode::kCorruptData ||
-         error.code == ErrorCode::kNotFound;
 }
 
 Error no_such_session(const std::string& id) {
@@ -112,6 +124,10 @@ struct LocalizationService::Session {
   LocalizerState stored_state;                       ///< What the next localizer goes on from.
   std::optional<Localizer> localizer;  ///< Made when the first batch comes; ahead of the above.
   std::vector<std::int64_t> map_ids;   ///< In the localizer's order.
+  bool holds_all_maps = false;         ///< False: stand-ins for all but the tracked one.
+  double free_area_m2 = 0.0;           ///< Of all maps, as far as it is known.
+  std::int64_t confirmed_map = 0;      ///< In which a confirmed pose is tracked, or 0.
+  std::optional<double> search_begin;  ///< Stamp of the first scan of a search, while it lasts.
   std::optional<RobotScan> last_scan;
   std::vector<Point2> feature_points;
   std::map<std::string, std::int64_t> ids_by_name;  ///< Of the maps asked for, once seen.
@@ -144,9 +160,24 @@ struct LocalizationService::Session {
     return state;
   }
 
+  /// What the next scan needs: a confirmed pose is not compared with other maps again.
+  void note_confirmed(const Answer& answer) {
+    confirmed_map = 0;
+    if (!answer.pose || !answer.pose->confirmed) return;
+    const auto found = std::ranges::find(localizer->maps(), answer.pose->map);
+    confirmed_map = map_ids[static_cast<std::size_t>(found - localizer->maps().begin())];
+  }
+
+  void note_confirmed(const LocalizerState& state) {
+    const bool is_confirmed = state.status == Status::kLocalized && state.confirmed;
+    confirmed_map = is_confirmed && state.tracked_map > 0 ? state.tracked_map : 0;
+  }
+
   /// Goes on in these maps. When the tracked one is not among them, the robot is lost.
-  void use_maps(std::vector<LocalizationMapPtr> maps, std::vector<std::int64_t> ids,
-                const Localizer::Clock& clock) {
+  void use_maps(SessionMaps loaded, const Localizer::Clock& clock) {
+    auto& [maps, ids, holds_all, area_m2] = loaded;
+    holds_all_maps = holds_all;
+    free_area_m2 = area_m2;
     if (localizer && ids == map_ids) {
       if (maps != localizer->maps()) localizer->replace_maps(std::move(maps));
       return;
@@ -306,6 +337,8 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
     if (!saved) return saved.error();
     if (session.localizer) session.localizer->reset();
     session.stored_state = {};
+    session.confirmed_map = 0;
+    session.search_begin.reset();
     session.status = Status::kCollecting;
     session.last_scan.reset();
     session.feature_points.clear();
@@ -353,7 +386,17 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   if (auto error = check_stamp(request.scans.front(), last_stamp)) return *error;
 
   session.is_current = false;  // Until the store has the batch too.
-  const ProcessedBatch batch = process(*session.localizer, session.status, request.scans);
+  std::optional<double> search_begin = session.search_begin;
+  const auto prepare = [&](const Answer& answer) -> Result<void> {
+    session.note_confirmed(answer);
+    const bool is_ready = session.holds_all_maps || session.confirmed_map != 0;
+    return is_ready ? Result<void>() : use_current_maps(session);
+  };
+  const auto processed =
+      process(*session.localizer, session.status, request.scans, search_begin, prepare);
+  if (!processed) return processed.error();
+  const ProcessedBatch& batch = *processed;
+  session.note_confirmed(batch.answer);
   const RobotScan& last = request.scans.back();
   const std::string answer = settings_.render({.session = session.record.id,
                                                .sequence = request.sequence,
@@ -361,11 +404,13 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .answer = batch.answer});
   if (auto saved = save(session, request, answer); !saved) return saved.error();
   session.status = batch.answer.status;
+  session.search_begin = search_begin;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
   session.is_current = true;
   if (settings_.on_batch) {
-    settings_.on_batch(session.record.id, batch.events, [&] { return session.view(); });
+    settings_.on_batch({session.record.id, session.record.robot}, batch.events,
+                       [&] { return session.view(); });
   }
   return BatchOutcome{.answer = answer};
 }
@@ -397,7 +442,9 @@ Result<std::string> LocalizationService::localize(const std::string& map,
   std::vector<LocalizationMapPtr> maps;
   if ((*loaded)->grid().width > 0) maps.push_back(*loaded);
   Localizer localizer(std::move(maps), request.params, settings_.clock_ms);
-  const ProcessedBatch batch = process(localizer, Status::kCollecting, request.scans);
+  std::optional<double> search_begin;
+  const ProcessedBatch batch =
+      process(localizer, Status::kCollecting, request.scans, search_begin).value();
   return settings_.render({.session = {},
                            .sequence = std::nullopt,
                            .stamp = request.scans.back().scan.stamp,
@@ -452,6 +499,7 @@ Result<void> LocalizationService::refresh(Session& session) {
     if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);
   }
   session.status = session.stored_state.status;
+  session.note_confirmed(session.stored_state);
   session.drop_localizer();
   session.last_scan.reset();
   session.feature_points.clear();
@@ -460,24 +508,20 @@ Result<void> LocalizationService::refresh(Session& session) {
 }
 
 Result<void> LocalizationService::use_current_maps(Session& session) {
-  if (session.localizer && session.maps_epoch == session.epoch) return {};
+  const bool is_current = session.localizer && session.maps_epoch == session.epoch &&
+                          session.holds_all_maps == (session.confirmed_map == 0);
+  if (is_current) return {};
   auto infos = maps_of(session);
   if (!infos) return infos.error();
-  std::vector<LocalizationMapPtr> maps;
-  std::vector<std::int64_t> ids;
-  for (const MapInfo& info : *infos) {
-    if (!info.bounds) continue;  // Nothing in it yet.
-    auto map = maps_->load(info);
-    if (!map && session.record.maps.empty() && is_of_the_map(map.error())) {
-      spdlog::warn("session {} looks in every map but {}: {}", session.record.id, info.name,
-                   map.error().message);
-      continue;
-    }
-    if (!map) return map.error();
-    maps.push_back(std::move(*map));
-    ids.push_back(info.id);
-  }
-  session.use_maps(std::move(maps), std::move(ids), settings_.clock_ms);
+  // A map that is gone, or empty now, leaves the robot lost: it needs all others.
+  const auto tracked = std::ranges::find(*infos, session.confirmed_map, &MapInfo::id);
+  if (tracked == infos->end() || !tracked->bounds) session.confirmed_map = 0;
+  auto maps = session.confirmed_map != 0
+                  ? load_one(*maps_, *infos, session.confirmed_map, session.free_area_m2)
+                  : load_all(*maps_, *infos, settings_.max_searched_map_bytes,
+                             !session.record.maps.empty());
+  if (!maps) return maps.error();
+  session.use_maps(std::move(*maps), settings_.clock_ms);
   session.maps_epoch = session.epoch;
   park_least_used();
   return {};

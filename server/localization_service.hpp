@@ -59,9 +59,19 @@ struct BatchEvents {
   std::size_t lost = 0;                             ///< Times that it became lost.
   std::map<Withdrawal, std::size_t> withdrawals{};  ///< Poses withdrawn, by cause.
   std::size_t odometry_ignored = 0;                 ///< Scans whose odometry was ignored.
+  Status status = Status::kCollecting;              ///< Of the answer.
+  Reason reason = Reason::kNone;                    ///< Of the answer.
+  StepTimes times{};                                ///< Of all scans.
+  /// From the first scan of a search to the scan that localized, by their stamps.
+  std::vector<double> times_to_localization_s{};
+};
+/// Which robot posted a batch, in which session.
+struct BatchOrigin {
+  const std::string& session;
+  const std::string& robot;
 };
 /// Called while the session is held; `view` makes the view, which costs a copy.
-using BatchListener = std::function<void(const std::string& session, const BatchEvents&,
+using BatchListener = std::function<void(const BatchOrigin&, const BatchEvents&,
                                          const std::function<SessionView()>& view)>;
 
 /// What is needed to read a session's batch.
@@ -88,6 +98,8 @@ struct LocalizationServiceSettings {
   /// Of sessions in memory. Above it those not used for longest are kept in the store only.
   std::size_t max_session_bytes = std::size_t{2} << 30U;
   std::size_t max_sessions_per_robot = 100;
+  /// Of the maps that one session searches together.
+  std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
   NowText expired_before{};  ///< Sessions last used before this time are removed; may be empty.
 };
 

@@ -19,6 +19,8 @@ void MapCache::keep(const Key& key, const LocalizationMapPtr& map) {
   const std::lock_guard lock(mutex_);
   entries_.remove_if([&](const Entry& old) { return old.key.first == key.first; });
   entries_.push_front({key, map, map->bytes()});
+  sizes_[key.first] = {key.second, entries_.front().bytes};
+  ++loads_;
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   known_.insert_or_assign(key, map);
   std::size_t bytes = 0;
@@ -31,9 +33,15 @@ void MapCache::keep(const Key& key, const LocalizationMapPtr& map) {
 
 MapCacheUse MapCache::use() {
   const std::lock_guard lock(mutex_);
-  MapCacheUse use{.maps = entries_.size()};
+  MapCacheUse use{.maps = entries_.size(), .loads = loads_};
   for (const Entry& entry : entries_) use.bytes += entry.bytes;
   return use;
+}
+
+std::size_t MapCache::known_bytes(const Key& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = sizes_.find(key.first);
+  return found != sizes_.end() && found->second.first == key.second ? found->second.second : 0;
 }
 
 }  // namespace cornerfix::server

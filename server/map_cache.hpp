@@ -16,6 +16,7 @@ namespace cornerfix::server {
 struct MapCacheUse {
   std::size_t maps = 0;
   std::size_t bytes = 0;
+  std::uint64_t loads = 0;  ///< Maps made ready since the start.
 };
 
 /// One revision per map, those last asked for as far as they have room. A map without room is still
@@ -31,6 +32,8 @@ class MapCache {
   /// In place of other revisions of the map. The newest stays, however large it is.
   void keep(const Key& key, const LocalizationMapPtr& map);
   [[nodiscard]] MapCacheUse use();
+  /// What the map needed when it was last kept; 0 when that is not known.
+  [[nodiscard]] std::size_t known_bytes(const Key& key);
 
  private:
   struct Entry {
@@ -43,6 +46,8 @@ class MapCache {
   std::mutex mutex_;
   std::list<Entry> entries_;                                   ///< Last used first.
   std::map<Key, std::weak_ptr<const LocalizationMap>> known_;  ///< Also those without room.
+  std::map<std::int64_t, std::pair<std::uint64_t, std::size_t>> sizes_;  ///< Revision and bytes.
+  std::uint64_t loads_ = 0;
 };
 
 }  // namespace cornerfix::server

@@ -11,6 +11,7 @@
 
 #include "server/map_outline.hpp"
 #include "server/mapping_batch.hpp"
+#include "server/seen_area.hpp"
 #include "server/trajectory_poses.hpp"
 
 namespace cornerfix::server {
@@ -107,6 +108,7 @@ struct MapLibrary::GrowingMap {
   const std::int64_t map_id;
   std::mutex mutex;
   std::optional<Mapper> mapper;           ///< Holds the keyframes of `revision`.
+  SeenArea seen;                          ///< By these keyframes.
   std::optional<LidarOdometry> odometry;  ///< At the last scan of a run without poses.
   std::uint64_t revision = 0;
 
@@ -251,6 +253,8 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
       odometry.resume(mapper.key_frames());
     }
   }
+  SeenArea seen = growing->seen;
+  const MapperParams params = mapper_params(*found);
   growing->forget();
   std::vector<double> new_stamps;
   std::vector<PosedScan> new_key_frames;
@@ -260,6 +264,9 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
     if (!mapper.is_key_frame(posed)) continue;
     if (auto error = mapper.reject(posed)) return at_scan(*error, scan - scans.data());
     mapper.add(posed);
+    seen.add(posed, params);
+    if (auto error = seen.reject(mapper.bounds(), params))
+      return at_scan(*error, scan - scans.data());
     new_key_frames.push_back(std::move(posed));
   }
   const storage::MapGrowth growth{.stamps = new_stamps,
@@ -270,6 +277,7 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
       [&](MapStore& maps) { return maps.grow(found->id, found->revision, growth, now_()); });
   if (!grown) return grown.error();
   growing->mapper = std::move(mapper);
+  growing->seen = seen;
   if constexpr (!kHavePoses) growing->odometry = std::move(odometry);
   growing->revision = grown->revision;
   report.key_frames = grown->key_frame_count;
@@ -298,6 +306,9 @@ Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
   if (!moved) return moved.error();
   const auto mapper = mapper_of(moved_to(*moved, std::move(*key_frames)), mapper_params(*found));
   if (!mapper) return Error{ErrorCode::kInvalidArgument, mapper.error().message, "/poses"};
+  const MapperParams params = mapper_params(*found);
+  if (const auto error = SeenArea(*mapper, params).reject(mapper->bounds(), params))
+    return Error{error->code, error->message, "/poses"};
   return stores_->with_maps([&](MapStore& maps) {
     return maps.move_key_frames(found->id, found->revision, *moved, outline_of(*mapper), now_());
   });
@@ -441,6 +452,7 @@ Result<void> MapLibrary::rebuild(GrowingMap& growing, const MapInfo& info) {
   auto mapper = mapper_of(std::move(*key_frames), mapper_params(info));
   if (!mapper) return too_large_now(mapper.error());
   growing.mapper = std::move(*mapper);
+  growing.seen = SeenArea(*growing.mapper, mapper_params(info));
   growing.revision = info.revision;
   return {};
 }

@@ -110,6 +110,10 @@ class MapLibrary {
                                                 const Progress& progress = {});
 
   [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
+  /// What this revision needed in memory when it was last loaded; 0 when that is not known.
+  [[nodiscard]] std::size_t known_bytes(const storage::MapInfo& info) {
+    return cache_.known_bytes({info.id, info.revision});
+  }
 
  private:
   struct GrowingMap;

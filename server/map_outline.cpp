@@ -5,6 +5,7 @@
 #include <cornerfix/mapper.hpp>
 
 #include "api/requests.hpp"
+#include "server/seen_area.hpp"
 
 namespace cornerfix::server {
 
@@ -52,6 +53,7 @@ Result<MapOutline> outline_of(const storage::MapArchive& archive) {
   }
   const auto mapper = mapper_of(archive.key_frames, params);
   if (!mapper) return mapper.error();
+  if (auto error = SeenArea(*mapper, params).reject(mapper->bounds(), params)) return *error;
   return outline_of(*mapper);
 }
 

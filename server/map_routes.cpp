@@ -313,14 +313,14 @@ void add_map_routes(Router& router, const Services& services) {
   };
   using enum BodyRule;
   add("GET", "/v1/maps", Access::kRead, kIgnored, &MapRoutes::list);
-  add("PUT", "/v1/maps/{map}", Access::kAdmin, kOptionalDocument, &MapRoutes::put);
+  add("PUT", "/v1/maps/{map}", Access::kMap, kOptionalDocument, &MapRoutes::put);
   add("GET", "/v1/maps/{map}", Access::kRead, kIgnored, &MapRoutes::get);
-  add("DELETE", "/v1/maps/{map}", Access::kAdmin, kIgnored, &MapRoutes::remove);
-  add("POST", "/v1/maps/{map}/scans", Access::kAdmin, kDocument, &MapRoutes::post_scans);
-  add("PUT", "/v1/maps/{map}/trajectory", Access::kAdmin, kDocument, &MapRoutes::put_trajectory);
-  add("PUT", "/v1/maps/{map}/grid", Access::kAdmin, kForm, &MapRoutes::put_grid);
+  add("DELETE", "/v1/maps/{map}", Access::kMap, kIgnored, &MapRoutes::remove);
+  add("POST", "/v1/maps/{map}/scans", Access::kMap, kDocument, &MapRoutes::post_scans);
+  add("PUT", "/v1/maps/{map}/trajectory", Access::kMap, kDocument, &MapRoutes::put_trajectory);
+  add("PUT", "/v1/maps/{map}/grid", Access::kMap, kForm, &MapRoutes::put_grid);
   add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive);
-  add("POST", "/v1/maps/{map}/archive", Access::kAdmin, kArchive, &MapRoutes::post_archive);
+  add("POST", "/v1/maps/{map}/archive", Access::kMap, kArchive, &MapRoutes::post_archive);
   add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features);
   add("GET", "/v1/maps/{map}/features/{id}/descriptor", Access::kRead, kIgnored,
       &MapRoutes::descriptor);

@@ -6,6 +6,10 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
 namespace cornerfix::server {
 namespace {
 
@@ -16,12 +20,20 @@ using prometheus::Histogram;
 
 /// From an answer without work to one that a robot would call too late.
 const Histogram::BucketBoundaries kSecondsBuckets = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025,
-                                                     0.05,   0.1,   0.25,   0.5,   1.0,  2.5};
+                                                     0.05,   0.1,   0.25,   0.5,   1.0,  2.5,
+                                                     5.0,    10.0,  30.0,   60.0,  600.0};
+const Histogram::BucketBoundaries kLocalizationBuckets = {0.2,  0.5,  1.0,  2.0,   5.0,   10.0,
+                                                          20.0, 30.0, 60.0, 120.0, 300.0, 600.0};
+
+std::string text_of(Reason reason) {
+  return reason == Reason::kNone ? "none" : std::string(to_string(reason));
+}
 
 }  // namespace
 
 struct Metrics::Impl {
   prometheus::Registry registry;
+  std::mutex totals_mutex;
   prometheus::Family<prometheus::Counter>& requests =
       BuildCounter()
           .Name("cornerfix_http_requests_total")
@@ -46,6 +58,51 @@ struct Metrics::Impl {
                                                         .Name("cornerfix_sessions")
                                                         .Help("Sessions in memory by status.")
                                                         .Register(registry);
+  prometheus::Family<prometheus::Counter>& answers =
+      BuildCounter()
+          .Name("cornerfix_answers_total")
+          .Help("Answers to batches by status and reason.")
+          .Register(registry);
+  prometheus::Family<prometheus::Counter>& stages =
+      BuildCounter()
+          .Name("cornerfix_stage_seconds_total")
+          .Help("Time spent on scans by stage of localization.")
+          .Register(registry);
+  Histogram& localization_times =
+      BuildHistogram()
+          .Name("cornerfix_time_to_localization_seconds")
+          .Help("From the first scan of a search to the scan that localized, by their stamps.")
+          .Register(registry)
+          .Add({}, kLocalizationBuckets);
+  prometheus::Family<prometheus::Counter>& sheds =
+      BuildCounter()
+          .Name("cornerfix_requests_shed_total")
+          .Help("Requests answered 503 unread, by reason.")
+          .Register(registry);
+  prometheus::Gauge& build = BuildGauge()
+                                 .Name("cornerfix_build_info")
+                                 .Help("1, with the version that is running.")
+                                 .Register(registry)
+                                 .Add({{"version", CORNERFIX_VERSION}});
+  prometheus::Gauge& connections = gauge("cornerfix_connections", "Open connections.");
+  prometheus::Gauge& in_work =
+      gauge("cornerfix_requests_in_work", "Requests being answered or waiting for a thread.");
+  prometheus::Gauge& workers = gauge("cornerfix_workers", "Threads that answer requests.");
+  prometheus::Gauge& busy_workers = gauge("cornerfix_workers_busy", "Of these, those that do.");
+  prometheus::Gauge& event_clients = gauge("cornerfix_event_clients", "Watchers of sessions.");
+  prometheus::Counter& map_loads =
+      counter("cornerfix_map_loads_total", "Maps made ready since the start.");
+  prometheus::Gauge& database_bytes = gauge("cornerfix_database_bytes", "The database's file.");
+  prometheus::Gauge& wal_bytes =
+      gauge("cornerfix_database_wal_bytes", "The database's write-ahead log.");
+  prometheus::Gauge& disk_free =
+      gauge("cornerfix_disk_free_bytes", "Left on the disk of the database.");
+  prometheus::Counter& cpu =
+      counter("process_cpu_seconds_total", "Processor time of user and system.");
+  prometheus::Gauge& resident = gauge("process_resident_memory_bytes", "Memory that is in use.");
+  prometheus::Gauge& descriptors = gauge("process_open_fds", "Open file descriptors.");
+  prometheus::Gauge& max_descriptors =
+      gauge("process_max_fds", "Most file descriptors that may be open.");
   prometheus::Gauge& cached_maps = gauge("cornerfix_map_cache_maps", "Maps held ready.");
   prometheus::Gauge& cached_bytes =
       gauge("cornerfix_map_cache_bytes", "Memory of maps held ready.");
@@ -59,6 +116,7 @@ struct Metrics::Impl {
 };
 
 Metrics::Metrics() : impl_(std::make_unique<Impl>()) {
+  impl_->build.Set(1.0);
   for (const Withdrawal cause :
        {Withdrawal::kScansLost, Withdrawal::kContradicted, Withdrawal::kRival})
     impl_->withdrawals.Add({{"cause", std::string(to_string(cause))}});
@@ -85,16 +143,59 @@ void Metrics::count_batch(const BatchEvents& events) {
         .Increment(static_cast<double>(count));
   }
   impl_->odometry_ignored.Increment(static_cast<double>(events.odometry_ignored));
+  impl_->answers
+      .Add({{"status", std::string(to_string(events.status))}, {"reason", text_of(events.reason)}})
+      .Increment();
+  const StepTimes& times = events.times;
+  const std::pair<const char*, double> stages[] = {{"odometry", times.odometry_ms},
+                                                   {"extract", times.extract_ms},
+                                                   {"match", times.match_ms},
+                                                   {"verify", times.verify_ms},
+                                                   {"track", times.track_ms}};
+  for (const auto& [stage, ms] : stages) impl_->stages.Add({{"stage", stage}}).Increment(ms / 1e3);
+  for (const double seconds : events.times_to_localization_s)
+    impl_->localization_times.Observe(seconds);
 }
 
-std::string Metrics::render(const SessionCounts& sessions, const MapCacheUse& maps) {
+void Metrics::count_shed(std::string_view reason) {
+  impl_->sheds.Add({{"reason", std::string(reason)}}).Increment();
+}
+
+namespace {
+
+void set(prometheus::Gauge& gauge, std::size_t value) { gauge.Set(static_cast<double>(value)); }
+
+/// To a total that is counted elsewhere.
+void raise_to(prometheus::Counter& counter, double total) {
+  counter.Increment(std::max(0.0, total - counter.Value()));
+}
+
+}  // namespace
+
+std::string Metrics::render(const MetricsSnapshot& now) {
   for (const Status status :
        {Status::kCollecting, Status::kAmbiguous, Status::kLocalized, Status::kLost}) {
-    impl_->sessions.Add({{"status", std::string(to_string(status))}})
-        .Set(static_cast<double>(sessions[static_cast<std::size_t>(status)]));
+    set(impl_->sessions.Add({{"status", std::string(to_string(status))}}),
+        now.sessions[static_cast<std::size_t>(status)]);
   }
-  impl_->cached_maps.Set(static_cast<double>(maps.maps));
-  impl_->cached_bytes.Set(static_cast<double>(maps.bytes));
+  set(impl_->cached_maps, now.maps.maps);
+  set(impl_->cached_bytes, now.maps.bytes);
+  set(impl_->connections, now.load.connections);
+  set(impl_->in_work, now.load.requests_in_work);
+  set(impl_->workers, now.load.workers);
+  set(impl_->busy_workers, now.load.busy_workers);
+  set(impl_->event_clients, now.load.event_clients);
+  set(impl_->database_bytes, now.database.file_bytes);
+  set(impl_->wal_bytes, now.database.wal_bytes);
+  set(impl_->disk_free, now.database.disk_free_bytes);
+  set(impl_->resident, now.process.resident_bytes);
+  set(impl_->descriptors, now.process.open_descriptors);
+  set(impl_->max_descriptors, now.process.max_descriptors);
+  {
+    const std::lock_guard lock(impl_->totals_mutex);
+    raise_to(impl_->cpu, now.process.cpu_s);
+    raise_to(impl_->map_loads, static_cast<double>(now.maps.loads));
+  }
   return prometheus::TextSerializer().Serialize(impl_->registry.Collect());
 }
 

@@ -7,8 +7,27 @@
 
 #include "server/localization_service.hpp"
 #include "server/map_library.hpp"
+#include "server/process_usage.hpp"
 
 namespace cornerfix::server {
+
+/// What the server is doing now.
+struct ServerLoad {
+  std::size_t connections = 0;
+  std::size_t requests_in_work = 0;  ///< Being answered or waiting for a thread.
+  std::size_t workers = 0;           ///< Threads that answer.
+  std::size_t busy_workers = 0;
+  std::size_t event_clients = 0;
+};
+
+/// What is looked up whenever metrics are asked for.
+struct MetricsSnapshot {
+  SessionCounts sessions{};
+  MapCacheUse maps{};
+  ServerLoad load{};
+  ProcessUsage process{};
+  DatabaseUsage database{};
+};
 
 /// Any threads may call.
 class Metrics {
@@ -19,9 +38,11 @@ class Metrics {
   /// `route` is a pattern ("/v1/maps/{map}"), never a path, so that the number of series is small.
   void count_request(std::string_view method, std::string_view route, int status, double seconds);
   void count_batch(const BatchEvents& events);
+  /// A request that was answered 503 unread: `reason` is the code of its problem.
+  void count_shed(std::string_view reason);
 
   /// Prometheus text format 0.0.4.
-  [[nodiscard]] std::string render(const SessionCounts& sessions, const MapCacheUse& maps);
+  [[nodiscard]] std::string render(const MetricsSnapshot& now);
 
  private:
   struct Impl;

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -24,6 +25,7 @@ struct Services {
   std::shared_ptr<LocalizationService> localization;
   std::shared_ptr<EventHub> events;
   std::shared_ptr<Metrics> metrics;
+  std::function<ServerLoad()> load;  ///< For the metrics.
   api::RequestLimits limits;
   std::uint64_t min_free_bytes = 0;             ///< On the database's disk, to be ready.
   std::shared_ptr<std::atomic<bool>> draining;  ///< Set when the server is going down.

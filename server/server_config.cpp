@@ -42,11 +42,15 @@ std::size_t count_of(const json& value, std::int64_t most) {
 }
 
 Role role_of(const json& value) {
+  if (const auto role = role_from(text_of(value))) return *role;
+  throw WrongValue(R"(expected "viewer", "robot", "mapper" or "admin")");
+}
+
+LogFormat log_format_of(const json& value) {
   const std::string name = text_of(value);
-  if (name == "viewer") return Role::kViewer;
-  if (name == "robot") return Role::kRobot;
-  if (name == "admin") return Role::kAdmin;
-  throw WrongValue(R"(expected "viewer", "robot" or "admin")");
+  if (name == "text") return LogFormat::kText;
+  if (name == "json") return LogFormat::kJson;
+  throw WrongValue(R"(expected "text" or "json")");
 }
 
 Token token_of(const json& value) {
@@ -93,6 +97,7 @@ const std::map<std::string, Setter, std::less<>>& setters() {
          c.allowed_hosts.clear();
          for (const json& host : v) c.allowed_hosts.push_back(text_of(host));
        }},
+      {"log_format", [](auto& c, const json& v) { c.log_format = log_format_of(v); }},
       {"web_root", [](auto& c, const json& v) { c.web_root = text_of(v); }},
       {"leaflet_root", [](auto& c, const json& v) { c.leaflet_root = text_of(v); }},
       {"max_body_bytes",
@@ -124,6 +129,8 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        }},
       {"min_free_bytes", [](auto& c, const json& v) { c.min_free_bytes = count_of(v, kMaxBytes); }},
       {"max_map_bytes", [](auto& c, const json& v) { c.max_map_bytes = count_of(v, kMaxBytes); }},
+      {"max_searched_map_bytes",
+       [](auto& c, const json& v) { c.max_searched_map_bytes = count_of(v, kMaxBytes); }},
       {"max_mappers", [](auto& c, const json& v) { c.max_mappers = count_of(v, 10'000); }},
       {"max_session_bytes",
        [](auto& c, const json& v) { c.max_session_bytes = count_of(v, kMaxBytes); }},
@@ -169,6 +176,14 @@ std::optional<Error> validate(const std::vector<Token>& tokens) {
 }
 
 }  // namespace
+
+std::optional<Role> role_from(std::string_view name) {
+  if (name == "viewer") return Role::kViewer;
+  if (name == "robot") return Role::kRobot;
+  if (name == "mapper") return Role::kMapper;
+  if (name == "admin") return Role::kAdmin;
+  return std::nullopt;
+}
 
 Result<ServerConfig> merge_json(ServerConfig defaults, std::string_view text) {
   const json document = json::parse(text, nullptr, /*allow_exceptions=*/false);
@@ -223,13 +238,19 @@ std::optional<Error> validate(const ServerConfig& config) {
     return Error{ErrorCode::kInvalidArgument, "a port is from 0 to 65535", "/port"};
   }
   if (auto error = validate(config.tokens)) return error;
-  if (config.tokens.empty() && !config.allow_insecure_listen && !is_loopback(config.listen)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "without tokens anybody who reaches " + config.listen +
-                     " could change every map; configure tokens or say --allow-insecure-listen",
-                 "/listen"};
-  }
-  return std::nullopt;
+  // A database that is there may hold tokens: that is looked up when it is opened.
+  std::error_code error;
+  if (std::filesystem::exists(config.database, error)) return std::nullopt;
+  return check_listen(config, config.tokens.empty());
+}
+
+std::optional<Error> check_listen(const ServerConfig& config, bool is_open) {
+  if (!is_open || config.allow_insecure_listen || is_loopback(config.listen)) return std::nullopt;
+  return Error{ErrorCode::kInvalidArgument,
+               "without tokens anybody who reaches " + config.listen +
+                   " could change every map; make some (cornerfix token create) or say "
+                   "--allow-insecure-listen",
+               "/listen"};
 }
 
 bool is_loopback(std::string_view address) {

@@ -11,11 +11,16 @@
 #include <cornerfix/result.hpp>
 
 #include "api/requests.hpp"
+#include "server/event_log.hpp"
 
 namespace cornerfix::server {
 
-/// What a token may do: kViewer reads, kRobot runs its own robot's sessions, kAdmin does all.
-enum class Role { kViewer, kRobot, kAdmin };
+/// What a token may do: kViewer reads, kRobot runs its own robot's sessions, kMapper changes maps,
+/// kAdmin does all.
+enum class Role { kViewer, kRobot, kMapper, kAdmin };
+
+/// Of "viewer", "robot", "mapper" and "admin".
+[[nodiscard]] std::optional<Role> role_from(std::string_view name);
 
 struct Token {
   std::string token;
@@ -33,6 +38,9 @@ struct ServerConfig {
   /// Names of the server in Host headers, beside those that HostCheck knows. Used without tokens.
   std::vector<std::string> allowed_hosts;
 
+  /// Nothing: text on a terminal, JSON elsewhere.
+  std::optional<LogFormat> log_format;
+
   std::filesystem::path web_root;  ///< The inspector's files; empty: where they were installed.
   std::filesystem::path leaflet_root = "/usr/share/javascript/leaflet";
 
@@ -49,7 +57,9 @@ struct ServerConfig {
   int drain_timeout_s = 5;             ///< After SIGTERM; then connections are closed.
 
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
-  std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
+  /// Of the maps that one session searches together; with more, its batches are answered 409.
+  std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
+  std::size_t max_mappers = 4;    ///< Growing maps kept in memory.
   int session_idle_minutes = 30;  ///< Then a session is kept in the database only.
   std::size_t max_session_bytes = std::size_t{2} << 30U;  ///< Of sessions kept in memory.
   std::size_t max_sessions_per_robot = 100;               ///< More are answered 429.
@@ -75,9 +85,11 @@ struct ServerFlags {
 /// Whether others than the owner can read or change the file, which is not for one with tokens.
 [[nodiscard]] bool is_open_to_others(const std::filesystem::path& file);
 
-/// The first broken limit, or nothing. Without tokens only loopback may be bound, unless
-/// `allow_insecure_listen` says so.
+/// The first broken limit, or nothing; check_listen() as far as that is known without the database.
 [[nodiscard]] std::optional<Error> validate(const ServerConfig& config);
+
+/// Without tokens (`is_open`) only loopback may be bound, unless `allow_insecure_listen` says so.
+[[nodiscard]] std::optional<Error> check_listen(const ServerConfig& config, bool is_open);
 
 [[nodiscard]] bool is_loopback(std::string_view address);
 

@@ -63,6 +63,10 @@ Response forbidden_robot() {
   return problem_response(403, "forbidden", "A robot's token is for its own sessions only.");
 }
 
+Response forbidden_map(const std::string& map) {
+  return problem_response(403, "forbidden", "The token is not for the map " + map + ".");
+}
+
 class SessionRoutes {
  public:
   explicit SessionRoutes(Services services) : services_(std::move(services)) {}
@@ -70,8 +74,12 @@ class SessionRoutes {
   Response create(const Request& request) {
     const auto parsed = api::parse_create_session(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
-    const auto& session = std::get<api::CreateSessionRequest>(parsed);
+    auto session = std::get<api::CreateSessionRequest>(parsed);
     if (!request.principal.may_see(session.robot)) return forbidden_robot();
+    if (session.maps.empty()) session.maps = request.principal.maps;
+    for (const std::string& map : session.maps) {
+      if (!request.principal.may_use(map)) return forbidden_map(map);
+    }
     const auto created = service().create(session);
     if (!created) return error_response(request, created.error());
     if (!*created) return too_many_sessions(session.robot);
@@ -138,6 +146,7 @@ class SessionRoutes {
 
   Response localize(const Request& request) {
     const std::string& map = request.captures[0];
+    if (!request.principal.may_use(map)) return forbidden_map(map);
     if (const auto info = services_.maps->find(map); !info) {
       return error_response(request, info.error());
     }

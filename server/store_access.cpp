@@ -28,8 +28,9 @@ Error not_in_place() {
 
 }  // namespace
 
-Result<std::shared_ptr<StoreAccess>> StoreAccess::open(const std::filesystem::path& path) {
-  auto map_database = Database::open(path, Synchronous::kFull);
+Result<std::shared_ptr<StoreAccess>> StoreAccess::open(const std::filesystem::path& path,
+                                                       int busy_timeout_ms) {
+  auto map_database = Database::open(path, Synchronous::kFull, busy_timeout_ms);
   if (!map_database) return map_database.error();
   auto session_database = (*map_database)->open_another(Synchronous::kNormal);
   if (!session_database) return session_database.error();
@@ -47,7 +48,14 @@ StoreAccess::StoreAccess(std::shared_ptr<Database> map_database,
       session_list_(std::move(map_database)),
       session_database_(std::move(session_database)),
       sessions_(session_database_),
-      map_entries_(session_database_) {}
+      map_entries_(session_database_),
+      tokens_(session_database_),
+      page_check_(session_database_) {}
+
+Result<std::vector<storage::TokenRecord>> StoreAccess::tokens() {
+  const std::lock_guard lock(session_mutex_);
+  return tokens_.list();
+}
 
 Result<std::uint64_t> StoreAccess::epoch() {
   const std::lock_guard lock(session_mutex_);
@@ -60,9 +68,18 @@ Result<std::uint64_t> StoreAccess::epoch() {
 }
 
 Result<void> StoreAccess::probe(std::uint64_t min_free_bytes) {
-  const std::lock_guard lock(session_mutex_);
-  if (auto in_place = check_in_place(); !in_place) return in_place;
-  if (auto readable = session_database_->probe(); !readable) return readable;
+  {
+    const std::lock_guard lock(session_mutex_);
+    if (auto in_place = check_in_place(); !in_place) return in_place;
+    if (auto readable = session_database_->probe(); !readable) return readable;
+    if (auto room = check_room(min_free_bytes); !room) return room;
+    const auto stored = write_check_.result([this] { return session_database_->probe_write(); });
+    if (!stored) return stored;
+  }
+  return page_check_.result();
+}
+
+Result<void> StoreAccess::check_room(std::uint64_t min_free_bytes) const {
   std::error_code error;
   const auto space = std::filesystem::space(path_, error);
   if (error || space.available >= min_free_bytes) return {};

@@ -8,12 +8,15 @@
 #include <mutex>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <cornerfix/result.hpp>
 
+#include "server/store_health.hpp"
 #include "storage/database.hpp"
 #include "storage/map_store.hpp"
 #include "storage/session_store.hpp"
+#include "storage/token_store.hpp"
 
 namespace cornerfix::server {
 
@@ -30,7 +33,10 @@ struct FileId {
 /// that was opened: what was written would be lost. Any threads may call.
 class StoreAccess {
  public:
-  [[nodiscard]] static Result<std::shared_ptr<StoreAccess>> open(const std::filesystem::path& path);
+  [[nodiscard]] static Result<std::shared_ptr<StoreAccess>> open(
+      const std::filesystem::path& path, int busy_timeout_ms = storage::kDefaultBusyTimeoutMs);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
   /// `use(MapStore&)` on the connection for maps.
   template <typename Use>
@@ -64,11 +70,14 @@ class StoreAccess {
     return std::forward<Use>(use)(map_entries_);
   }
 
+  [[nodiscard]] Result<std::vector<storage::TokenRecord>> tokens();
+
   /// Grows whenever the file was changed by anything but the sessions of this process: by this
   /// process' maps or by another process. What was read before is then to be read again.
   [[nodiscard]] Result<std::uint64_t> epoch();
 
-  /// Whether the file can be read, and its file system has `min_free_bytes` left to write to it.
+  /// Whether the file can be read and written, its pages are sound, and its file system has
+  /// `min_free_bytes` left.
   [[nodiscard]] Result<void> probe(std::uint64_t min_free_bytes);
 
  private:
@@ -76,6 +85,7 @@ class StoreAccess {
               std::shared_ptr<storage::Database> session_database, FileId opened);
 
   [[nodiscard]] Result<void> check_in_place() const;
+  [[nodiscard]] Result<void> check_room(std::uint64_t min_free_bytes) const;
 
   std::filesystem::path path_;
   FileId opened_;
@@ -88,8 +98,12 @@ class StoreAccess {
   std::shared_ptr<storage::Database> session_database_;
   storage::SessionStore sessions_;
   storage::MapStore map_entries_;
+  storage::TokenStore tokens_;
   std::int64_t data_version_ = -1;
   std::uint64_t epoch_ = 0;
+  OncePerSecond write_check_;
+
+  PageCheck page_check_;
 };
 
 }  // namespace cornerfix::server

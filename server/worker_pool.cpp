@@ -29,9 +29,10 @@ void WorkerPool::enqueue(std::function<void()> job) {
     if (jobs_.size() > free && workers_.size() < max_threads_) {
       workers_.emplace_back([this] { work(); });
     }
+    if (is_overfull()) overfull_.notify_one();
   }
-  // Both kinds of threads wait here: a worker to take the job, a spare one to watch its age.
-  job_added_.notify_all();
+  // One worker: to wake all of them for each request costs more than many a request.
+  job_added_.notify_one();
 }
 
 void WorkerPool::shutdown() {
@@ -40,10 +41,16 @@ void WorkerPool::shutdown() {
     closing_ = true;
   }
   job_added_.notify_all();
+  overfull_.notify_all();
   for (auto* threads : {&workers_, &spare_}) {
     for (std::thread& thread : *threads) thread.join();
     threads->clear();
   }
+}
+
+WorkerPool::Load WorkerPool::load() {
+  const std::lock_guard lock(mutex_);
+  return {workers_.size(), busy_};
 }
 
 bool WorkerPool::is_shedding() { return shedding(); }
@@ -56,7 +63,7 @@ void WorkerPool::work() {
     const auto job = std::move(jobs_.front().run);
     jobs_.pop_front();
     ++busy_;
-    if (is_overfull()) job_added_.notify_all();  // The spare threads watch from now on.
+    if (is_overfull()) overfull_.notify_one();  // A spare thread watches from now on.
     lock.unlock();
     job();
     lock.lock();
@@ -68,13 +75,14 @@ void WorkerPool::shed() {
   shedding() = true;
   std::unique_lock lock(mutex_);
   for (;;) {
-    job_added_.wait(lock, [this] { return closing_ || is_overfull(); });
+    overfull_.wait(lock, [this] { return closing_ || is_overfull(); });
     if (closing_) return;
     const Clock::time_point due = jobs_.front().due;
     if (Clock::now() < due) {
-      job_added_.wait_until(lock, due);
+      overfull_.wait_until(lock, due);
       continue;
     }
+    overfull_.notify_one();  // The other spare thread may be needed, too.
     const auto job = std::move(jobs_.front().run);
     jobs_.pop_front();
     lock.unlock();

@@ -27,6 +27,12 @@ class WorkerPool {
   /// Runs what is queued, then ends the threads. No job may be enqueued from then on.
   void shutdown();
 
+  struct Load {
+    std::size_t threads = 0;  ///< Made so far, without the spare ones.
+    std::size_t busy = 0;
+  };
+  [[nodiscard]] Load load();
+
   /// Whether the calling thread is there to turn requests away.
   [[nodiscard]] static bool is_shedding();
 
@@ -45,7 +51,8 @@ class WorkerPool {
   const std::size_t max_threads_;
   const std::chrono::milliseconds queue_timeout_;
   std::mutex mutex_;
-  std::condition_variable job_added_;
+  std::condition_variable job_added_;  ///< Workers wait for it,
+  std::condition_variable overfull_;   ///< and spare threads for this.
   std::deque<Job> jobs_;
   std::size_t busy_ = 0;  ///< Workers with a job.
   bool closing_ = false;

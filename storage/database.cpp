@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Statement.h>
+#include <SQLiteCpp/Transaction.h>
 #include <sqlite3.h>
 
 #include <array>
@@ -166,6 +167,7 @@ Database::Database(fs::path path, Synchronous synchronous, int busy_timeout_ms)
   connection_->exec("PRAGMA foreign_keys = ON");
   connection_->exec(synchronous == Synchronous::kFull ? "PRAGMA synchronous = FULL"
                                                       : "PRAGMA synchronous = NORMAL");
+  if (synchronous == Synchronous::kNormal) connection_->exec("PRAGMA wal_autocheckpoint = 8000");
 }
 
 Database::~Database() = default;
@@ -219,6 +221,30 @@ Result<void> Database::probe() {
                      ", this program writes " + std::to_string(schema_version()),
                  path_.string()};
   });
+}
+
+Result<void> Database::probe_write() {
+  return guarded([&]() -> Result<void> {
+    SQLite::Transaction transaction(*connection_, SQLite::TransactionBehavior::IMMEDIATE);
+    // Writes the first page, although the number stays the same.
+    connection_->exec("PRAGMA user_version = " + std::to_string(user_version(*connection_)));
+    transaction.commit();
+    return {};
+  });
+}
+
+Result<void> Database::check_pages(const std::atomic<bool>& is_cancelled) const {
+  constexpr int kInstructionsBetweenLooks = 10'000;
+  const auto is_asked_to_end = [](void* flag) {
+    return static_cast<const std::atomic<bool>*>(flag)->load() ? 1 : 0;
+  };
+  Result<void> checked = guarded([&]() -> Result<void> {
+    SQLite::Database connection(path_.string(), SQLite::OPEN_READONLY, busy_timeout_ms_);
+    sqlite3_progress_handler(connection.getHandle(), kInstructionsBetweenLooks, is_asked_to_end,
+                             const_cast<std::atomic<bool>*>(&is_cancelled));
+    return check_content(connection);
+  });
+  return is_cancelled ? Result<void>() : checked;
 }
 
 SQLite::Statement& Database::prepared(std::string_view sql) {

@@ -2,6 +2,7 @@
 /// file left as it was.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -54,6 +55,13 @@ class Database {
 
   /// Whether the file can be read and still has the schema of this program.
   [[nodiscard]] Result<void> probe();
+
+  /// Whether a commit can be stored: makes one that changes nothing.
+  [[nodiscard]] Result<void> probe_write();
+
+  /// Reads all pages anew from the file: kCorruptData when some are damaged. Any thread may call,
+  /// beside the others. Ends early, without an error, once `is_cancelled`.
+  [[nodiscard]] Result<void> check_pages(const std::atomic<bool>& is_cancelled) const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 

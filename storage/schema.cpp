@@ -112,8 +112,22 @@ constexpr const char* kRememberBatch = R"sql(
 ALTER TABLE sessions ADD COLUMN last_batch INTEGER NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array<const char*, 6> kMigrations = {
-    kCreateTables, kCreateMapGrids, kAddDrift, kRememberMapsAndBeams, kRememberUse, kRememberBatch};
+// Who may call, by the SHA-256 of a token. `maps` are names with blanks between them; none: all.
+constexpr const char* kCreateTokens = R"sql(
+CREATE TABLE tokens (
+  id      INTEGER PRIMARY KEY AUTOINCREMENT,
+  name    TEXT NOT NULL,
+  role    TEXT NOT NULL,
+  maps    TEXT NOT NULL,
+  hash    BLOB NOT NULL UNIQUE,
+  created TEXT NOT NULL,
+  expires TEXT NOT NULL
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 7> kMigrations = {
+    kCreateTables, kCreateMapGrids, kAddDrift,    kRememberMapsAndBeams,
+    kRememberUse,  kRememberBatch,  kCreateTokens};
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 #include <SQLiteCpp/Database.h>
 
 #include <cassert>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -11,6 +12,14 @@
 #include "storage/statement.hpp"
 
 namespace cornerfix::storage {
+
+/// A submap scan as it was last written, known by its stamp too: indices begin anew with a submap.
+struct StoredScan {
+  std::uint32_t checksum = 0;
+  std::optional<double> stamp;  ///< Not known of one that was found in the file.
+};
+using StoredScans = std::unordered_map<std::uint64_t, StoredScan>;  ///< By index.
+
 namespace {
 
 constexpr std::string_view kSelectSession =
@@ -27,32 +36,40 @@ Error unknown_session(std::string_view id) {
   return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
 }
 
-using StoredScans = std::unordered_map<std::uint64_t, std::uint32_t>;  ///< Index to checksum.
-
 StoredScans by_index(std::span<const SubmapScanKey> keys) {
   StoredScans scans;
-  for (const SubmapScanKey& key : keys) scans.emplace(key.index, key.checksum);
+  for (const SubmapScanKey& key : keys) scans.emplace(key.index, StoredScan{key.checksum, {}});
   return scans;
 }
 
-/// Makes the stored submap scans those of `submap`, writing only what differs; returns their names.
+/// Makes the stored submap scans those of `submap`, writing only what differs. `stored` is what is
+/// there before and after; returns the names of the scans in their order.
 std::vector<SubmapScanKey> sync_submap(Database& database, std::int64_t session,
-                                       std::span<const SubmapScan> submap, StoredScans stored) {
+                                       std::span<const SubmapScan> submap, StoredScans& stored) {
   Statement upsert(database,
                    "INSERT OR REPLACE INTO submap_scans (session, scan_index, scan) "
                    "VALUES (?, ?, ?)");
   std::vector<SubmapScanKey> keys;
   keys.reserve(submap.size());
+  StoredScans kept;
   for (const SubmapScan& scan : submap) {
-    const Blob blob = encode_submap_scan(scan);
-    keys.push_back({scan.index, checksum_of(blob)});
     const auto found = stored.find(scan.index);
-    const bool is_stored = found != stored.end() && found->second == keys.back().checksum;
-    if (!is_stored) upsert.bind(session, scan.index, BlobView(blob)).run();
+    const bool is_known = found != stored.end() && found->second.stamp == scan.scan.stamp;
+    if (is_known) {
+      keys.push_back({scan.index, found->second.checksum});
+    } else {
+      const Blob blob = encode_submap_scan(scan);
+      keys.push_back({scan.index, checksum_of(blob)});
+      const bool is_stored =
+          found != stored.end() && found->second.checksum == keys.back().checksum;
+      if (!is_stored) upsert.bind(session, scan.index, BlobView(blob)).run();
+    }
+    kept.emplace(scan.index, StoredScan{keys.back().checksum, scan.scan.stamp});
     if (found != stored.end()) stored.erase(found);
   }
   Statement vanish(database, "DELETE FROM submap_scans WHERE session = ? AND scan_index = ?");
-  for (const auto& [index, checksum] : stored) vanish.bind(session, index).run();
+  for (const auto& [index, scan] : stored) vanish.bind(session, index).run();
+  stored = std::move(kept);
   return keys;
 }
 
@@ -141,22 +158,38 @@ Result<std::optional<SessionRecord>> read_session(Database& database, std::strin
   return std::optional(std::move(record));
 }
 
+}  // namespace
+
 /// What update() must know of a stored session.
-struct StoredSession {
+struct SessionStore::StoredSession {
   std::int64_t number = 0;
   std::uint64_t expected_sequence = 0;
   StoredScans submap;
 };
 
-Result<StoredSession> find_for_update(Database& database, std::string_view id) {
-  Statement row(database, "SELECT number, expected_sequence, state FROM sessions WHERE id = ?");
+namespace {
+
+/// Sessions whose stored state is remembered, to bound the memory: 2 kB each.
+constexpr std::size_t kMaxKnownSessions = 10'000;
+
+}  // namespace
+
+/// As the file has it, or as this connection wrote it when nobody else has changed the file since.
+/// In a write transaction.
+Result<SessionStore::StoredSession*> SessionStore::find_for_update(std::string_view id) {
+  const auto version = database_->data_version();
+  if (!version) return version.error();
+  if (*version != known_version_ || known_.size() > kMaxKnownSessions) known_.clear();
+  known_version_ = *version;
+  const auto known = known_.find(std::string(id));
+  if (known != known_.end()) return &known->second;
+  Statement row(*database_, "SELECT number, expected_sequence, state FROM sessions WHERE id = ?");
   if (!row.bind(id).step()) return unknown_session(id);
   const Result<LocalizerStateOutline> outline = decode_localizer_state(row.blob(2));
   if (!outline) return outline.error();
-  return StoredSession{row.integer(0), row.number(1), by_index(outline->submap)};
+  StoredSession stored{row.integer(0), row.number(1), by_index(outline->submap)};
+  return &known_.emplace(id, std::move(stored)).first->second;
 }
-
-}  // namespace
 
 SessionStore::SessionStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}
 SessionStore::~SessionStore() = default;
@@ -179,8 +212,9 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
     for (std::size_t i = 0; i < record.maps.size(); ++i) {
       map.bind(session, i, record.maps[i], record.map_ids[i]).run();
     }
+    StoredScans nothing;
     const std::vector<SubmapScanKey> submap =
-        sync_submap(*database_, session, record.state.submap, {});
+        sync_submap(*database_, session, record.state.submap, nothing);
     const Blob state = encode_localizer_state(record.state, submap);
     write_answer(*database_, session,
                  {.expected_sequence = record.expected_sequence,
@@ -194,31 +228,38 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
 }
 
 Result<void> SessionStore::update(std::string_view id, const SessionUpdate& update) {
-  return guarded([&]() -> Result<void> {
-    WriteTransaction transaction(*database_);
-    Result<StoredSession> stored = find_for_update(*database_, id);
-    if (!stored) return stored.error();
-    if (stored->expected_sequence != update.previous_sequence) {
-      return Error{ErrorCode::kConflict,
-                   "the session expects sequence " + std::to_string(stored->expected_sequence) +
-                       ", not " + std::to_string(update.previous_sequence),
-                   "sequence"};
-    }
-    const std::vector<SubmapScanKey> submap =
-        sync_submap(*database_, stored->number, update.state->submap, std::move(stored->submap));
-    const Blob state = encode_localizer_state(*update.state, submap);
-    write_answer(*database_, stored->number,
-                 {.expected_sequence = update.expected_sequence,
-                  .last_answer = update.last_answer,
-                  .state = state,
-                  .last_used = update.now,
-                  .last_batch = update.last_batch});
-    transaction.commit();
-    return {};
-  });
+  Result<void> updated = guarded([&] { return update_in_transaction(id, update); });
+  if (!updated) known_.erase(std::string(id));  // It may be ahead of the file.
+  return updated;
+}
+
+Result<void> SessionStore::update_in_transaction(std::string_view id, const SessionUpdate& update) {
+  WriteTransaction transaction(*database_);
+  const Result<StoredSession*> found = find_for_update(id);
+  if (!found) return found.error();
+  StoredSession& stored = **found;
+  if (stored.expected_sequence != update.previous_sequence) {
+    return Error{ErrorCode::kConflict,
+                 "the session expects sequence " + std::to_string(stored.expected_sequence) +
+                     ", not " + std::to_string(update.previous_sequence),
+                 "sequence"};
+  }
+  const std::vector<SubmapScanKey> submap =
+      sync_submap(*database_, stored.number, update.state->submap, stored.submap);
+  const Blob state = encode_localizer_state(*update.state, submap);
+  write_answer(*database_, stored.number,
+               {.expected_sequence = update.expected_sequence,
+                .last_answer = update.last_answer,
+                .state = state,
+                .last_used = update.now,
+                .last_batch = update.last_batch});
+  transaction.commit();
+  stored.expected_sequence = update.expected_sequence;
+  return {};
 }
 
 Result<void> SessionStore::remove(std::string_view id) {
+  known_.erase(std::string(id));
   return guarded([&]() -> Result<void> {
     WriteTransaction transaction(*database_);
     const int removed = Statement(*database_, "DELETE FROM sessions WHERE id = ?").bind(id).run();
@@ -260,6 +301,7 @@ Result<std::size_t> SessionStore::count(std::string_view robot) {
 }
 
 Result<std::size_t> SessionStore::remove_unused_since(std::string_view time) {
+  known_.clear();
   return guarded([&]() -> Result<std::size_t> {
     WriteTransaction transaction(*database_);
     const int removed =

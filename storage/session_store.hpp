@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <cornerfix/localizer.hpp>
@@ -75,7 +76,17 @@ class SessionStore {
   [[nodiscard]] Result<std::size_t> remove_unused_since(std::string_view time);
 
  private:
+  struct StoredSession;
+
+  [[nodiscard]] Result<void> update_in_transaction(std::string_view id,
+                                                   const SessionUpdate& update);
+  [[nodiscard]] Result<StoredSession*> find_for_update(std::string_view id);
+
   std::shared_ptr<Database> database_;
+  /// What this connection stored last, so that a batch need not read it again. Empty once another
+  /// connection has changed the file.
+  std::unordered_map<std::string, StoredSession> known_;
+  std::int64_t known_version_ = -1;
 };
 
 }  // namespace cornerfix::storage

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "integration/test_server.hpp"
+#include "storage/database.hpp"
+#include "storage/token_store.hpp"
 
 namespace cornerfix {
 namespace {
@@ -90,6 +92,67 @@ TEST_F(AccessApiTest, LetsAnAdminDoAll) {
   EXPECT_EQ(viewer_.get("/v1/sessions/" + id).status, 200);
   EXPECT_EQ(admin_.remove("/v1/sessions/" + id).status, 204);
   EXPECT_EQ(admin_.remove("/v1/maps/office").status, 204);
+}
+
+/// Tokens in the database, made and revoked by another process.
+class StoredTokensTest : public AccessApiTest {
+ protected:
+  HttpClient holder_of(storage::TokenRecord record) {
+    const std::string token = "cfx_" + record.name + record.role;
+    record.hash = storage::hash_of_token(token);
+    id_ = tokens_.insert(record).value();
+    HttpClient client(server_.port());
+    client.set_header("Authorization", "Bearer " + token);
+    return client;
+  }
+
+  storage::TokenStore tokens_{
+      storage::Database::open(directory_ / "test.db", storage::Synchronous::kNormal).value()};
+  std::int64_t id_ = 0;
+};
+
+TEST_F(StoredTokensTest, AreGoodAtOnceAndUselessOnceRevoked) {
+  HttpClient viewer = holder_of({.name = "desk", .role = "viewer"});
+  EXPECT_EQ(viewer.get("/v1/maps").status, 200);
+  EXPECT_EQ(viewer.put("/v1/maps/mine", Json::object()).status, 403);
+  ASSERT_TRUE(tokens_.remove(id_));
+  EXPECT_EQ(viewer.get("/v1/maps").status, 401);
+}
+
+TEST_F(StoredTokensTest, ExpireByTheirDate) {
+  EXPECT_EQ(holder_of({.name = "old", .role = "admin", .expires = "2001-01-01T00:00:00Z"})
+                .get("/v1/maps")
+                .status,
+            401);
+}
+
+TEST_F(StoredTokensTest, LetAMapperChangeMapsOnly) {
+  HttpClient mapper = holder_of({.name = "mapper", .role = "mapper"});
+  EXPECT_EQ(mapper.put("/v1/maps/mine", Json::object()).status, 201);
+  EXPECT_EQ(mapper.remove("/v1/maps/mine").status, 204);
+  EXPECT_EQ(mapper.post("/v1/sessions", testing::session_request("mapper", "office")).status, 403);
+}
+
+TEST_F(StoredTokensTest, KeepARobotToItsMaps) {
+  admin_.put("/v1/maps/secret", {{"lidar", testing::lidar_json()}});
+  HttpClient robot = holder_of({.name = "cart-9", .role = "robot", .maps = {"office"}});
+  EXPECT_EQ(robot.post("/v1/sessions", testing::session_request("cart-9", "secret")).status, 403);
+  EXPECT_EQ(robot.post("/v1/maps/secret/localize", Json::object()).status, 403);
+  const Reply any = robot.post("/v1/sessions", testing::session_request("cart-9", nullptr));
+  ASSERT_EQ(any.status, 201);
+  EXPECT_EQ(any.json()["maps"], Json::array({"office"}));
+}
+
+TEST_F(StoredTokensTest, CloseAServerThatWasOpen) {
+  testing::TestServer open(directory_ / "open.db");
+  HttpClient anybody(open.port());
+  EXPECT_EQ(anybody.get("/v1/maps").status, 200);
+  storage::TokenStore tokens(
+      storage::Database::open(directory_ / "open.db", storage::Synchronous::kNormal).value());
+  const auto id = tokens.insert({.name = "desk", .role = "viewer"});
+  EXPECT_EQ(anybody.get("/v1/maps").status, 401);
+  ASSERT_TRUE(tokens.remove(*id));  // It does not open again by itself.
+  EXPECT_EQ(anybody.get("/v1/maps").status, 401);
 }
 
 }  // namespace

@@ -340,6 +340,28 @@ TEST_F(HttpRulesTest, TellsItsHealthAndItsNumbers) {
                                       "maps/{map}\",status=\"404\"} 1"));
 }
 
+TEST_F(HttpRulesTest, TakesOverTheNamesOfARequest) {
+  const std::string trace = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01";
+  const Reply reply =
+      client_.get("/healthz", {{"X-Request-Id", "robot-7.42"}, {"traceparent", trace}});
+  EXPECT_EQ(reply.header("x-request-id"), "robot-7.42");
+  EXPECT_EQ(reply.header("traceparent"), trace);
+  const Reply odd = client_.get("/healthz", {{"X-Request-Id", "a b"}, {"traceparent", "00-1"}});
+  EXPECT_NE(odd.header("x-request-id"), "a b");
+  EXPECT_NE(odd.header("x-request-id"), "");
+  EXPECT_EQ(odd.header("traceparent"), "");
+}
+
+TEST_F(HttpRulesTest, SaysInItsMetricsWhatItUses) {
+  client_.get("/healthz");
+  const std::string metrics = client_.get("/metrics").body;
+  for (const char* name : {"cornerfix_connections 1", "cornerfix_requests_in_work 1",
+                           "cornerfix_build_info{version=", "\nprocess_resident_memory_bytes ",
+                           "\ncornerfix_disk_free_bytes "}) {
+    EXPECT_THAT(metrics, HasSubstr(name));
+  }
+}
+
 TEST_F(HttpRulesTest, ServesRobotsBesideClientsThatHoldTheirConnections) {
   server::ServerConfig config;
   config.worker_threads = 1;

@@ -315,6 +315,19 @@ TEST_F(MapLibraryTest, RefusesParametersWithWhichAGridCannotHoldTheMap) {
   EXPECT_EQ(maps_.find("office")->description, before.description);
 }
 
+TEST_F(MapLibraryTest, RefusesPosesThatAreKilometresApart) {
+  ASSERT_TRUE(maps_.put("office", {}));
+  auto drive = testing::mapping_drive();
+  drive.resize(2);
+  drive[1].T_map_base_link.x += 4900.0;
+  const auto refused = maps_.grow("office", drive);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/scans/1");
+  EXPECT_THAT(refused.error().message, HasSubstr("are the poses right?"));
+  EXPECT_EQ(maps_.find("office")->key_frame_count, 0U);
+}
+
 TEST_F(MapLibraryTest, KeepsParametersThatAreNotGiven) {
   ASSERT_TRUE(
       maps_.put("office", parameters(R"({"extractor": "vfp", "grid": {"max_range_m": 9}})")));

@@ -23,6 +23,7 @@ struct SessionLimits {
   std::size_t max_bytes = std::size_t{1} << 30U;
   std::size_t max_per_robot = 100;
   NowText expired_before{};
+  std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
 };
 
 /// What one process would hold. Several may share a file.
@@ -36,14 +37,18 @@ struct Process {
                       .now = [] { return kNow; },
                       .clock_ms = {},
                       .on_batch =
-                          [this](const std::string&, const BatchEvents& batch, const auto&) {
+                          [this](const BatchOrigin&, const BatchEvents& batch, const auto&) {
                             const std::lock_guard lock(events_mutex);
                             events.scans += batch.scans;
                             events.fixes += batch.fixes;
                             events.lost += batch.lost;
+                            events.status = batch.status;
+                            for (const double time : batch.times_to_localization_s)
+                              events.times_to_localization_s.push_back(time);
                           },
                       .max_session_bytes = session_limits.max_bytes,
                       .max_sessions_per_robot = session_limits.max_per_robot,
+                      .max_searched_map_bytes = session_limits.max_searched_map_bytes,
                       .expired_before = session_limits.expired_before}) {}
 
   /// Enough to distinguish answers.

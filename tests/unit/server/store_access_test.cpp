@@ -2,8 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <string>
 
+#include "storage/statement.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace cornerfix::server {
@@ -47,6 +51,40 @@ TEST_F(StoreAccessTest, NeedsRoomToStore) {
   const auto probe = stores_->probe(std::numeric_limits<std::uint64_t>::max());
   ASSERT_FALSE(probe);
   EXPECT_THAT(probe.error().message, HasSubstr("bytes left"));
+}
+
+/// Overwrites all pages but the first.
+void damage(const std::filesystem::path& file) {
+  constexpr std::size_t kPage = 4096;
+  const std::size_t size = std::filesystem::file_size(file);
+  ASSERT_GT(size, kPage);
+  std::fstream pages(file, std::ios::in | std::ios::out | std::ios::binary);
+  pages.seekp(kPage);
+  pages << std::string(size - kPage, '\xff');
+}
+
+TEST_F(StoreAccessTest, IsNotReadyWithDamagedPages) {
+  stores_.reset();  // Its WAL goes into the file.
+  stores_ = StoreAccess::open(file_).value();
+  damage(file_);
+  const auto probe = stores_->probe(0);
+  ASSERT_FALSE(probe);
+  EXPECT_THAT(probe.error().message, HasSubstr("damaged"));
+}
+
+TEST_F(StoreAccessTest, IsNotReadyWhenItCannotWrite) {
+  const auto other = storage::Database::open(file_, storage::Synchronous::kNormal).value();
+  const storage::WriteTransaction held(*other);
+  stores_ = StoreAccess::open(file_, 0).value();  // Waits for no other writer.
+  const auto probe = stores_->probe(0);
+  ASSERT_FALSE(probe);
+  EXPECT_EQ(probe.error().code, ErrorCode::kUnavailable);
+}
+
+TEST_F(StoreAccessTest, LeavesSessionsCurrentWhenItTriesToWrite) {
+  const auto before = stores_->epoch();
+  EXPECT_TRUE(stores_->probe(0));
+  EXPECT_EQ(stores_->epoch().value(), before.value());
 }
 
 }  // namespace
