@@ -239,7 +239,8 @@ class Inspector {
     const known = this.#scene?.answer;
     const hasMore = known?.sequence === answer.sequence && answer.scan_points && !known.scan_points;
     if (known && answer.sequence <= known.sequence && !hasMore) return false;
-    const isMoved = answer.pose && answer.pose.map !== known?.pose?.map;
+    // The first answer does not lead away from a map that was asked for.
+    const isMoved = answer.pose && (known ? answer.pose.map !== known.pose?.map : !this.#chosen.map);
     this.#scene = new Scene(answer, this.session?.lidar?.mount, this.#grids);
     this.#history.add(answer, api.serverNow());
     if (this.#candidate >= this.#scene.candidates.length) this.#candidate = 0;

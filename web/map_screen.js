@@ -211,14 +211,13 @@ export class MapScreen {
   }
 
   #pointTo(point) {
+    const corner = point ? this.#nearest(this.#corners, point) : null;
+    if (corner !== this.#corner.hovered) this.#redraw.corners();
+    this.#corner.hovered = corner;
     const isPlace = point && this.#entry?.bounds;
     setText(part('pointer'), isPlace ? `x ${point.x.toFixed(2)}, y ${point.y.toFixed(2)} m${this.#hint(point)}` : '');
     const candidate = point ? this.#candidateAt(point) : null;
     if (candidate !== this.#robot.hovered) this.#on.candidate(candidate);
-    const corner = point ? this.#nearest(this.#corners, point) : null;
-    if (corner === this.#corner.hovered) return;
-    this.#corner.hovered = corner;
-    this.#redraw.corners();
   }
 
   #hint(point) {

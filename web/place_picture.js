@@ -2,7 +2,7 @@
 // scan on it. So two candidate poses can be compared side by side.
 import { color, paintHits } from './paint.js';
 
-const SIDE_PX = 170;
+const SIDE_PX = 160;
 const ROBOT_PX = 7;
 
 // `reach_m` is from the robot to the edge. `fit` is that of fitScan() at `pose`.

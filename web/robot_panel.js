@@ -85,9 +85,8 @@ export class RobotPanel {
   #showWhy(answer, state, scene) {
     const { why, todo } = explain(answer, state);
     const settle = scene && !scene.isAccepted && !state.silent ? scene.settle() : undefined;
-    show(part('robot-why'), element('p', { class: 'why' }, why), todo && element('p', { class: 'todo' }, todo),
-      settle && element('p', { class: 'todo settle' }, settleText(settle.place,
-        settle.place && words.directionText(settle.place.bearing))));
+    const advice = settle ? settleText(settle.place, settle.place && words.directionText(settle.place.bearing)) : todo;
+    show(part('robot-why'), element('p', { class: 'why' }, why), advice && element('p', { class: 'todo' }, advice));
   }
 
   // The scan on the best pose, and beside it on the chosen one.

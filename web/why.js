@@ -8,7 +8,8 @@ export function stateOf(session, now) {
   const age_s = Math.max(0, (now - Date.parse(session.last_seen)) / 1000);
   const answer = session.last_answer;
   return {
-    status: answer ? session.status ?? answer.status : 'waiting',
+    // After a reset the last answer is one of before.
+    status: answer ? (session.status === 'collecting' ? 'collecting' : answer.status) : 'waiting',
     silent: session.stale ?? age_s > SILENT_S,
     age_s,
   };
@@ -18,11 +19,13 @@ export function stateOf(session, now) {
 const URGENCY = { lost: 0, ambiguous: 1, collecting: 2, waiting: 3, localized: 4 };
 export const urgencyOf = ({ status, silent }) => (silent && status === 'localized' ? 3.5 : URGENCY[status] ?? 2);
 
-const best = (answer) => answer.hypotheses[0];
 const chance = (answer) => `correct with a probability of ${percent(answer.confidence)}`;
 
 function candidates(answer) {
   const count = answer.hypotheses.length;
+  if (count > 1 && answer.confidence < 0.5) {
+    return `${plural(count, 'pose')} explain the scans about equally well, so none of them is used.`;
+  }
   return count === 1 ? `One pose is left; it is ${chance(answer)}, too little to use it.`
     : `${plural(count, 'pose')} may be the robot's; the best is ${chance(answer)}, too little to use it.`;
 }
@@ -48,10 +51,8 @@ const REASONS = {
     why: answer.hypotheses.length ? candidates(answer) : 'Too little of the building was seen so far.',
     todo: 'Drive on: each new wall rules out wrong poses.',
   }),
-  contradicted: (answer) => ({
-    why: best(answer)
-      ? `The best pose explains ${percent(best(answer).score)} of the scanned points, but the rest contradict the map there.`
-      : 'The scans contradict the map.',
+  contradicted: () => ({
+    why: 'Even at the best pose, hits lie where the map is free.',
     todo: 'The robot may be outside the map, or the building has changed. Drive on, or map the building again.',
   }),
   odometry_contradicts_scans: () => ({
@@ -104,6 +105,6 @@ export function explain(answer, state) {
 
 // What would settle which candidate is correct; `place` is that of whereTheyDiffer().
 export function settleText(place, direction) {
-  if (!place) return 'Within 25 m the map looks the same from both poses.';
+  if (!place) return 'Within 25 m the map looks the same from both poses: driving further helps only beyond that.';
   return `Drive about ${metres(place.distance_m, 0)} ${direction}: there the map differs between poses 1 and 2.`;
 }

@@ -19,7 +19,7 @@ export const poseText = ({ x, y, yaw }) => `x ${metres(x)}, y ${metres(y)}, head
 // Close to 0 and to 1 the digits that matter are kept.
 export function percent(share) {
   const digits = share > 0.99 && share < 1 ? 1 : 0;
-  if (share > 0 && share < 0.01) return 'below 1 %';
+  if (share < 0.01) return 'below 1 %';
   return `${(Math.floor(share * 100 * 10 ** digits) / 10 ** digits).toFixed(digits)} %`;
 }
 

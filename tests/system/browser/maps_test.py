@@ -80,6 +80,8 @@ class MapsTest(PageTest):
         self.wait_for_text("#upload-error", "letters, digits")
         bag = self.directory / "run.bag"
         bag.write_bytes(b"#ROSBAG V2.0\n")
+        self.find("#upload-cancel").click()
+        self.find("#add-map").click()
         self.find("#upload-files").send_keys(str(bag))
         self.wait_for_text("#upload-kind", "cornerfix map build NAME run.bag")
         self.assertEqual(self.names(), [])

@@ -118,13 +118,11 @@ class Robot:
                 return answer, truth
         raise AssertionError(f"not {status} after {self.sequence} batches: {answer}")
 
-    def carry(self, scans, batches=20):
+    def carry(self, scans):
         """The robot was carried to where another log goes on; its odometry did not notice."""
         last = self.scans[self.posted - 1]
-        for i in range(batches):
-            moved = [{**scan, "t": last["t"] + 0.1 * (5 * i + j + 1), "odom": last["odom"]}
-                     for j, scan in enumerate(scans[5 * i:5 * i + 5])]
-            answer = self.post(moved)
+        for i, scan in enumerate(scans):
+            answer = self.post([{**scan, "t": last["t"] + 0.1 * (i + 1), "odom": last["odom"]}])
             if answer["status"] == "lost":
                 return answer
         raise AssertionError(f"not lost: {answer}")
@@ -202,7 +200,7 @@ class PageTest(unittest.TestCase):
         cls.command("map", "import", name, yaml, "--server", cls.server.url)
 
     def setUp(self):
-        self.expected = ["chart.min.js", "/history"]  # Parts of what the browser's console may say in this test.
+        self.expected = []  # Parts of what the browser's console may say in this test.
 
     def tearDown(self):
         self.assertEqual([entry for entry in self.complaints() if not any(part in entry for part in self.expected)], [])
