@@ -203,6 +203,7 @@ class PageTest(unittest.TestCase):
         self.expected = []  # Parts of what the browser's console may say in this test.
 
     def tearDown(self):
+        self.browser.get("about:blank")  # Or it would go on asking a server that is stopped.
         self.assertEqual([entry for entry in self.complaints() if not any(part in entry for part in self.expected)], [])
 
     def open(self, fragment=""):
