@@ -58,7 +58,8 @@ class Inspector {
 
   start() {
     window.addEventListener('hashchange', () => this.#choose());
-    document.addEventListener('visibilitychange', () => this.refresh());
+    document.addEventListener('visibilitychange', () => this.#visibilityChanged());
+    window.addEventListener('pagehide', () => this.#stopWatching());
     document.addEventListener('click', (event) => this.#act(event));
     for (const event of ['mouseover', 'focusin']) part('robot-candidates').addEventListener(event, (e) => this.#hoverRow(e));
     part('robot-candidates').addEventListener('mouseleave', () => this.#screen.hover(null));
@@ -215,6 +216,13 @@ class Inspector {
     this.#screen.hover(button ? Number(button.dataset.index) : null);
   }
 
+  // A page that nobody sees holds no live connection: browsers allow few per server, over all tabs.
+  #visibilityChanged() {
+    if (document.hidden) this.#stopWatching();
+    else if (this.#chosen.session) this.#follow(this.#chosen.session);
+    this.refresh();
+  }
+
   #watch(id) {
     this.#stopWatching();
     this.#stopWatching = () => {};
@@ -223,7 +231,11 @@ class Inspector {
     this.#candidate = 0;
     this.#step = null;
     this.#notice('watch', '');
-    if (!id) return;
+    if (id) this.#follow(id);
+  }
+
+  #follow(id) {
+    this.#stopWatching();
     const history = this.#history;
     api.sessionHistory(id).then((answers) => history.load(answers)).catch(() => {}).finally(() => this.#render());
     this.#stopWatching = api.watchSession(id, {
