@@ -133,6 +133,7 @@ class MapsTest(PageTest):
         self.click_map(right, down)
         self.wait_for_text(".corner-popup h3", f"Corner {corner['id']}")
         self.wait_for_text(".corner-popup figcaption", "other corner")
+        self.wait_for(lambda: self.is_shown(".leaflet-popup-close-button"), "the whole popup")
         self.screenshot("map-corner")
         self.find(".leaflet-popup-close-button").click()
 
