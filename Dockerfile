@@ -9,16 +9,18 @@ RUN cmake --preset release -D CORNERFIX_BUILD_TESTS=OFF -D CORNERFIX_BUILD_BENCH
  && cmake --install build/release --strip --prefix /usr/local
 # OpenCV's packages bring 200 MB of graphics libraries; what the program really loads is a tenth of that.
 # glibc itself comes with the runtime stage.
-RUN mkdir -p /runtime/lib /runtime/leaflet \
+RUN mkdir -p /runtime/lib /runtime/leaflet /runtime/chart.js \
  && ldd /usr/local/bin/cornerfix | awk '$3 ~ "^/" && $1 !~ "^lib(c|m|pthread|dl|rt|resolv)\\.so" { print $3 }' \
     | xargs cp -L -t /runtime/lib \
- && cp -L /usr/share/javascript/leaflet/leaflet.js /usr/share/javascript/leaflet/leaflet.css /runtime/leaflet
+ && cp -L /usr/share/javascript/leaflet/leaflet.js /usr/share/javascript/leaflet/leaflet.css /runtime/leaflet \
+ && cp -L /usr/share/javascript/chart.js/chart.min.js /runtime/chart.js
 
 FROM debian:12-slim
 COPY --from=build /usr/local/bin/cornerfix /usr/local/bin/
 COPY --from=build /usr/local/share/cornerfix /usr/local/share/cornerfix
 COPY --from=build /runtime/lib /usr/local/lib
 COPY --from=build /runtime/leaflet /usr/share/javascript/leaflet
+COPY --from=build /runtime/chart.js /usr/share/javascript/chart.js
 RUN ldconfig \
  && useradd --system --uid 10001 --home-dir /data --shell /usr/sbin/nologin cornerfix \
  && install -d -o cornerfix -g cornerfix /data

@@ -38,13 +38,14 @@ Json hypothesis_json(const RankedHypothesis& hypothesis) {
 /// Millimetres of metres, microseconds of milliseconds: more digits have no meaning.
 Json to_thousandths(double value) { return number(std::round(value * 1e3) / 1e3); }
 
-Json times_json(const StepTimes& times) {
-  return {{"odometry", to_thousandths(times.odometry_ms)},
-          {"extract", to_thousandths(times.extract_ms)},
-          {"match", to_thousandths(times.match_ms)},
-          {"verify", to_thousandths(times.verify_ms)},
-          {"track", to_thousandths(times.track_ms)},
-          {"total", to_thousandths(times.total_ms)}};
+/// What the probability of the best candidate pose is made of; null before there is one.
+Json explanation_json(const Answer& answer) {
+  if (answer.hypotheses.empty()) return nullptr;
+  return {{"explained_share", to_thousandths(answer.terms.explained_share)},
+          {"unknown_share", to_thousandths(answer.terms.unknown_share)},
+          {"margin_per_hit", to_thousandths(answer.terms.margin_per_hit)},
+          {"probability_explained", to_thousandths(answer.terms.probability_explained)},
+          {"probability_best", to_thousandths(answer.terms.probability_best)}};
 }
 
 Json point_json(const Point2& point) {
@@ -111,6 +112,15 @@ std::string encode(const Json& document, BodyFormat format) {
   return document.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Json render_times(const StepTimes& times) {
+  return {{"odometry", to_thousandths(times.odometry_ms)},
+          {"extract", to_thousandths(times.extract_ms)},
+          {"match", to_thousandths(times.match_ms)},
+          {"verify", to_thousandths(times.verify_ms)},
+          {"track", to_thousandths(times.track_ms)},
+          {"total", to_thousandths(times.total_ms)}};
+}
+
 Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
   Json json;
   json["session"] = origin.session.empty() ? Json(nullptr) : Json(origin.session);
@@ -123,13 +133,14 @@ Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
   for (const RankedHypothesis& hypothesis : answer.hypotheses) {
     json["hypotheses"].push_back(hypothesis_json(hypothesis));
   }
+  json["explanation"] = explanation_json(answer);
   json["reason"] = answer.reason == Reason::kNone ? Json(nullptr) : Json(to_string(answer.reason));
   json["odometry"] =
       answer.odometry == OdometryUse::kNone ? Json(nullptr) : Json(to_string(answer.odometry));
   json["local"] = {{"scans", answer.local_scans},
                    {"features", answer.local_features},
                    {"pose", pose_json(answer.T_submap_base_link)}};
-  json["timing_ms"] = times_json(answer.times);
+  json["timing_ms"] = render_times(answer.times);
   return json;
 }
 

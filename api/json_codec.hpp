@@ -31,6 +31,8 @@ struct AnswerOrigin {
   double stamp = 0.0;                     ///< Of the batch's last scan [s].
 };
 [[nodiscard]] Json render_answer(const Answer& answer, const AnswerOrigin& origin);
+/// `timing_ms`, to the microsecond.
+[[nodiscard]] Json render_times(const StepTimes& times);
 /// The answer with `scan_points` and `feature_points` for the inspector, both in `base_link` [m],
 /// rounded to millimetres.
 [[nodiscard]] Json with_points(Json answer, const RobotScan& last_scan,

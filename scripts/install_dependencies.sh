@@ -13,7 +13,7 @@ build=(
   libbz2-dev liblz4-dev libzstd-dev
   libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libsqlite3-dev libsqlitecpp-dev
   libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev
-  libjs-leaflet
+  libjs-leaflet libjs-chart.js
   cyclonedds-dev cyclonedds-tools
 )
 test=(

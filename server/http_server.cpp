@@ -227,6 +227,7 @@ Result<void> HttpServer::Impl::open_services() {
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
   files.mount("vendor/leaflet", config.leaflet_root);
+  files.mount("vendor/chart", config.chart_root);
   return {};
 }
 

@@ -100,6 +100,17 @@ Result<ProcessedBatch> process(Localizer& localizer, Status status,
   return batch;
 }
 
+/// The newest scan of the local map, as it lies from the last pose: what can be shown of a session
+/// that was read from the store.
+std::optional<RobotScan> newest_scan(const LocalizerState& state) {
+  if (state.submap.empty()) return std::nullopt;
+  const SubmapScan& newest = state.submap.back();
+  const Pose2 T_base_link_then = inverse(state.T_submap_base_link) * newest.T_submap_base_link;
+  return RobotScan{.scan = newest.scan,
+                   .T_base_link_laser = T_base_link_then * newest.T_base_link_laser,
+                   .T_odom_base_link = std::nullopt};
+}
+
 Error no_such_session(const std::string& id) {
   return {ErrorCode::kNotFound, "there is no session " + id, ""};
 }
@@ -130,6 +141,7 @@ struct LocalizationService::Session {
   std::optional<double> search_begin;  ///< Stamp of the first scan of a search, while it lasts.
   std::optional<RobotScan> last_scan;
   std::vector<Point2> feature_points;
+  api::AnswerHistory history;
   std::map<std::string, std::int64_t> ids_by_name;  ///< Of the maps asked for, once seen.
   bool is_current = false;            ///< False: to be read from the store before use.
   std::uint64_t epoch = 0;            ///< Of the store when it was last known to be current.
@@ -354,6 +366,12 @@ Result<SessionHead> LocalizationService::head(const std::string& id) {
   return SessionHead{(*session)->record.robot, (*session)->lidar};
 }
 
+Result<std::deque<api::PastAnswer>> LocalizationService::history(const std::string& id) {
+  const auto session = lock(id);
+  if (!session) return session.error();
+  return (*session)->history.answers();
+}
+
 Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
                                                      const api::SessionScansRequest& request) {
   for (int attempt = 1;; ++attempt) {
@@ -403,6 +421,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
   if (auto saved = save(session, request, answer); !saved) return saved.error();
+  session.history.add(batch.answer, request.sequence, session.record.last_used);
   session.status = batch.answer.status;
   session.search_begin = search_begin;
   session.last_scan = last;
@@ -501,7 +520,7 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.status = session.stored_state.status;
   session.note_confirmed(session.stored_state);
   session.drop_localizer();
-  session.last_scan.reset();
+  session.last_scan = newest_scan(session.stored_state);
   session.feature_points.clear();
   session.is_current = true;
   return {};

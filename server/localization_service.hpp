@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,6 +20,7 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/result.hpp>
 
+#include "api/answer_history.hpp"
 #include "api/requests.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
@@ -35,8 +37,10 @@ struct SessionView {
   std::string lidar_json, options_json;
   std::uint64_t expected_sequence = 0;
   Status status = Status::kCollecting;
-  std::string last_answer;               ///< Rendered; empty before the first.
-  std::optional<RobotScan> last_scan{};  ///< Since this process took a batch.
+  std::string last_answer;  ///< Rendered; empty before the first.
+  /// Of the last batch; after a restart the newest scan of the local map, as seen from the last
+  /// pose.
+  std::optional<RobotScan> last_scan{};
   std::vector<Point2> feature_points{};  ///< The submap's features, in base_link at the last scan.
 };
 
@@ -139,6 +143,9 @@ class LocalizationService {
   [[nodiscard]] Result<SessionView> reset(const std::string& id);
 
   [[nodiscard]] Result<SessionHead> head(const std::string& id);
+
+  /// The last answers, oldest first, as far as this process gave them and holds the session.
+  [[nodiscard]] Result<std::deque<api::PastAnswer>> history(const std::string& id);
 
   /// kConflict when the session's map was deleted, kInvalidArgument when stamps do not increase.
   [[nodiscard]] Result<BatchOutcome> post_scans(const std::string& id,

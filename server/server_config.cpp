@@ -100,6 +100,7 @@ const std::map<std::string, Setter, std::less<>>& setters() {
       {"log_format", [](auto& c, const json& v) { c.log_format = log_format_of(v); }},
       {"web_root", [](auto& c, const json& v) { c.web_root = text_of(v); }},
       {"leaflet_root", [](auto& c, const json& v) { c.leaflet_root = text_of(v); }},
+      {"chart_root", [](auto& c, const json& v) { c.chart_root = text_of(v); }},
       {"max_body_bytes",
        [](auto& c, const json& v) { c.max_body_bytes = count_of(v, std::int64_t{1} << 31); }},
       {"max_scans",

@@ -43,6 +43,7 @@ struct ServerConfig {
 
   std::filesystem::path web_root;  ///< The inspector's files; empty: where they were installed.
   std::filesystem::path leaflet_root = "/usr/share/javascript/leaflet";
+  std::filesystem::path chart_root = "/usr/share/javascript/chart.js";
 
   std::size_t max_body_bytes = std::size_t{16} << 20U;  ///< After decompression.
   api::RequestLimits request_limits;

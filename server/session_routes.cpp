@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "api/answer_history.hpp"
 #include "api/json_codec.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
@@ -157,6 +158,13 @@ class SessionRoutes {
     return text_response(request, 200, *answer);
   }
 
+  Response history(const Request& request) {
+    if (auto refusal = refuse_foreign(request)) return *refusal;
+    const auto answers = service().history(request.captures[0]);
+    if (!answers) return error_response(request, answers.error());
+    return document_response(request, 200, api::render_history(request.captures[0], *answers));
+  }
+
   Response events(const Request& request) {
     const std::string& id = request.captures[0];
     std::shared_ptr<EventSubscription> subscription;
@@ -242,6 +250,7 @@ void add_session_routes(Router& router, const Services& services) {
   add("DELETE", "/v1/sessions/{id}", Access::kSession, kIgnored, &SessionRoutes::remove);
   add("POST", "/v1/sessions/{id}/reset", Access::kSession, kIgnored, &SessionRoutes::reset);
   add("POST", "/v1/sessions/{id}/scans", Access::kSession, kDocument, &SessionRoutes::post_scans);
+  add("GET", "/v1/sessions/{id}/history", Access::kRead, kIgnored, &SessionRoutes::history);
   add("GET", "/v1/sessions/{id}/events", Access::kRead, kIgnored, &SessionRoutes::events);
   add("POST", "/v1/maps/{map}/localize", Access::kSession, kDocument, &SessionRoutes::localize);
 }

@@ -122,7 +122,8 @@ forbid(FILES ${evaluation_tests} PATTERN "${include}(core|storage|api|server|cli
 # The page: one file talks to the server, one draws.
 forbid(FILES web/*.js EXCEPT "api_client\\.js$" PATTERN "(fetch\\(|EventSource|XMLHttpRequest)"
   REASON "api_client.js alone talks to the server")
-forbid(FILES web/*.js EXCEPT "map_view\\.js$" PATTERN "[^A-Za-z.]L\\." REASON "map_view.js alone knows Leaflet")
+forbid(FILES web/*.js EXCEPT "map_(view|layers)\\.js$" PATTERN "[^A-Za-z.]L\\."
+  REASON "map_view.js and map_layers.js alone know Leaflet")
 forbid(FILES web/index.html PATTERN "(src|href)=\"(https?:)?//" REASON "the page loads nothing from elsewhere")
 
 if(broken)

@@ -1,80 +1,121 @@
-// The documented HTTP API, as far as the inspector needs it. Nothing else here talks to the server.
+// The documented HTTP API, as far as the page needs it. Nothing else here talks to the server.
+import { parseGridYaml } from './grid.js';
 
 // An answer of the server that is an error, with its problem document (RFC 9457) when there is one.
 export class ApiError extends Error {
   constructor(status, problem) {
     super(problem?.detail || problem?.title || `the server answered ${status}`);
     this.status = status;
+    this.errors = problem?.errors ?? [];
   }
 }
 
 const RETRY_MS = 2000;
-let bearer = sessionStorage.getItem('token');
+const TOKEN_KEY = 'token';
+let bearer = sessionStorage.getItem(TOKEN_KEY);
+let clock_offset_ms = 0;  // Of the server's clock to the browser's.
 
-// For servers that ask for one; forgotten when the tab is closed.
+export const hasToken = () => Boolean(bearer);
+
+// For servers that ask for one; forgotten when the tab is closed. Null forgets it at once.
 export function useToken(token) {
   bearer = token;
-  sessionStorage.setItem('token', token);
+  if (token) sessionStorage.setItem(TOKEN_KEY, token);
+  else sessionStorage.removeItem(TOKEN_KEY);
 }
 
-async function get(path, { accept = 'application/json', signal } = {}) {
-  const headers = { Accept: accept };
-  if (bearer) headers.Authorization = `Bearer ${bearer}`;
-  const response = await fetch(path, { headers, signal });
-  if (!response.ok) {
-    throw new ApiError(response.status, await response.json().catch(() => null));
-  }
+// The server's time [ms], as far as its answers give it.
+export const serverNow = () => Date.now() + clock_offset_ms;
+
+const authorization = () => (bearer ? { Authorization: `Bearer ${bearer}` } : {});
+
+async function call(method, path, { accept = 'application/json', body, type, signal } = {}) {
+  const headers = { Accept: accept, ...authorization() };
+  if (type) headers['Content-Type'] = type;
+  const response = await fetch(path, { method, headers, body, signal });
+  const date = Date.parse(response.headers.get('Date') ?? '');
+  if (!Number.isNaN(date)) clock_offset_ms = date - Date.now();
+  if (!response.ok) throw new ApiError(response.status, await response.json().catch(() => null));
   return response;
 }
+
+const get = (path, options) => call('GET', path, options);
+const sendJson = (method, path, body) => call(method, path, { type: 'application/json', body: JSON.stringify(body) });
 
 const mapPath = (name) => `v1/maps/${encodeURIComponent(name)}`;
 const sessionPath = (id) => `v1/sessions/${encodeURIComponent(id)}`;
 
-export async function listMaps() {
-  const maps = [];
+async function listAll(kind) {
+  const all = [];
   let token = '';
   do {
     const query = token ? `&page_token=${encodeURIComponent(token)}` : '';
-    const page = await (await get(`v1/maps?limit=100${query}`)).json();
-    maps.push(...page.maps);
+    const page = await (await get(`v1/${kind}?limit=500${query}`)).json();
+    all.push(...page[kind]);
     token = page.next_page_token;
   } while (token);
-  return maps;
+  return all;
 }
 
-export async function listSessions() {
-  const sessions = [];
-  let token = '';
-  do {
-    const query = token ? `&page_token=${encodeURIComponent(token)}` : '';
-    const page = await (await get(`v1/sessions?limit=100${query}`)).json();
-    sessions.push(...page.sessions);
-    token = page.next_page_token;
-  } while (token);
-  return sessions;
-}
+export const listMaps = () => listAll('maps');
+export const listSessions = () => listAll('sessions');
+export const session = async (id) => (await get(sessionPath(id))).json();
 
-export async function mapFeatures(name) {
-  return (await (await get(`${mapPath(name)}/features`)).json()).features;
-}
+export const describeMap = async (name, description) => (await sendJson('PUT', mapPath(name), description)).json();
+export const deleteMap = (name) => call('DELETE', mapPath(name));
+export const resetSession = (id) => call('POST', `${sessionPath(id)}/reset`);
+export const deleteSession = (id) => call('DELETE', sessionPath(id));
+export const mapCorners = async (name) => (await (await get(`${mapPath(name)}/features`)).json()).features;
+export const cornerDescriptor = async (name, id) => (await get(`${mapPath(name)}/features/${id}/descriptor`)).json();
+export const addMapScans = async (name, batch) => (await sendJson('POST', `${mapPath(name)}/scans`, batch)).json();
+export const createSession = async (request) => (await sendJson('POST', 'v1/sessions', request)).json();
+export const postScans = async (id, batch) => (await sendJson('POST', `${sessionPath(id)}/scans`, batch)).json();
+
+// The answers of a session so far, oldest first, without points.
+export const sessionHistory = async (id) => (await (await get(`${sessionPath(id)}/history`)).json()).answers;
 
 // The localizability report, or how far it is: `state` is "done" or "computing".
-export async function mapReport(name) {
-  return (await get(`${mapPath(name)}/report?wait=0`)).json();
-}
+export const mapReport = async (name) => (await get(`${mapPath(name)}/report?wait=0`)).json();
 
-// The grid as a png, its cell size [m], and where its lower left corner lies and how it is turned.
+// The grid as a blob with what its yaml says.
 export async function mapGrid(name) {
   const [image, yaml] = await Promise.all([get(`${mapPath(name)}/grid.png`, { accept: 'image/png' }),
     get(`${mapPath(name)}/grid.yaml`, { accept: '*/*' })]);
-  return { image: await image.blob(), ...parseGridYaml(await yaml.text()) };
+  return { image: await image.blob(), description: parseGridYaml(await yaml.text()) };
 }
 
-// map_server's yaml is flat: `key: value` lines, the origin as [x, y, yaw].
-function parseGridYaml(text) {
-  const value = (key) => text.match(new RegExp(`^${key}:\\s*(.+)$`, 'm'))?.[1] ?? '';
-  const origin = value('origin').replace(/[[\]]/g, '').split(',').map(Number);
-  return { resolution: Number(value('resolution')), origin: { x: origin[0], y: origin[1], yaw: origin[2] } };
+export const gridImage = async (name) => (await get(`${mapPath(name)}/grid.png`, { accept: 'image/png' })).blob();
+export const mapArchive = async (name) => (await get(`${mapPath(name)}/archive`, { accept: '*/*' })).blob();
+export const sharedFile = async (path) => (await get(path, { accept: '*/*' })).blob();
+
+// Only XMLHttpRequest reports how much of a body is sent. `onProgress` gets a share in [0, 1].
+function upload(method, path, { body, type, onProgress, signal }) {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open(method, path);
+    for (const [name, value] of Object.entries(authorization())) request.setRequestHeader(name, value);
+    if (type) request.setRequestHeader('Content-Type', type);
+    request.responseType = 'json';
+    request.upload.onprogress = ({ loaded, total }) => onProgress(total ? loaded / total : 0);
+    request.onload = () => (request.status < 300 ? resolve(request.response)
+      : reject(new ApiError(request.status, request.response)));
+    request.onerror = () => reject(new Error('The connection to the server was lost.'));
+    request.onabort = () => reject(new Error('The upload was cancelled.'));
+    signal?.addEventListener('abort', () => request.abort());
+    request.send(body);
+  });
+}
+
+// The two files of map_server.
+export function uploadGrid(name, yaml, image, options) {
+  const body = new FormData();
+  body.append('yaml', yaml, yaml.name);
+  body.append('image', image, image.name);
+  return upload('PUT', `${mapPath(name)}/grid`, { body, ...options });
+}
+
+export function uploadArchive(name, file, options) {
+  return upload('POST', `${mapPath(name)}/archive`, { body: file, type: 'application/vnd.sqlite3', ...options });
 }
 
 // Calls back with each event of a stream named "answer" (Server-Sent Events).
@@ -104,11 +145,12 @@ export function watchSession(id, { onAnswer, onState }) {
       await readAnswers(response.body, onAnswer);
     } catch (error) {
       if (stop.signal.aborted) return;
-      if (error instanceof ApiError) {
+      if (error instanceof ApiError && error.status !== 503) {
         onState('closed');
         return;
       }
     }
+    if (stop.signal.aborted) return;
     onState('retrying');
     setTimeout(() => stop.signal.aborted || follow(), RETRY_MS);
   };

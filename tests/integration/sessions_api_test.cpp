@@ -223,6 +223,31 @@ TEST_F(SessionsApiTest, ShowsTheLastAnswerWithItsPoints) {
   EXPECT_THAT(answer["feature_points"], ::testing::Not(IsEmpty()));
 }
 
+TEST_F(SessionsApiTest, KeepsTheAnswersSoFar) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  EXPECT_THAT(client_.get("/v1/sessions/" + id + "/history").json()["answers"], IsEmpty());
+  Json last;
+  for (std::uint64_t i = 0; i < 10; ++i) last = post(id, i).json();
+  const Json answers = client_.get("/v1/sessions/" + id + "/history").json()["answers"];
+  ASSERT_EQ(answers.size(), 10U);
+  EXPECT_EQ(answers[0]["sequence"], 0);
+  EXPECT_EQ(answers[9]["status"], last["status"]);
+  EXPECT_EQ(answers[9]["pose"]["x"], last["pose"]["x"]);
+  EXPECT_EQ(answers[9]["timing_ms"], last["timing_ms"]);
+  EXPECT_EQ(client_.get("/v1/sessions/none/history").status, 404);
+}
+
+TEST_F(SessionsApiTest, SaysWhatTheProbabilityIsMadeOf) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Json answer;
+  for (std::uint64_t i = 0; i < 10; ++i) answer = post(id, i).json();
+  ASSERT_EQ(answer["status"], "localized") << answer.dump(1);
+  const Json& terms = answer["explanation"];
+  EXPECT_GT(terms["explained_share"], 0.5);
+  EXPECT_GT(terms["probability_explained"], 0.9);
+  EXPECT_GT(terms["probability_best"], 0.9);
+}
+
 TEST_F(SessionsApiTest, AnswersASingleQuestion) {
   Json question = testing::session_batch(drive_, 0, 30);
   question.erase("sequence");

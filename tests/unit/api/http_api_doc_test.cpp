@@ -41,6 +41,7 @@ std::string schema_of(const nlohmann::json& answer) {
            {"maps", answer.contains("robot") ? "Session" : "MapList"},
            {"accepted", "MapBatch"},
            {"entries", "Descriptor"},
+           {"answers", "SessionHistory"},
            {"timing_ms", "Answer"},
            {"features", "FeatureList"}}) {
     if (answer.contains(member)) return schema;

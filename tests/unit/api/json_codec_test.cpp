@@ -29,6 +29,11 @@ Answer localized_answer() {
                         .inliers = 12,
                         .score = 0.875,
                         .evidence = {}}};
+  answer.terms.explained_share = 0.9375;
+  answer.terms.unknown_share = 0.125;
+  answer.terms.margin_per_hit = 0.25;
+  answer.terms.probability_explained = 0.999;
+  answer.terms.probability_best = 0.99899;
   answer.odometry = OdometryUse::kWeightedDown;
   answer.pose->epoch = 3;
   answer.pose->confirmed = true;
@@ -49,6 +54,8 @@ TEST(RenderAnswer, IsTheExampleOfTheContract) {
     "confidence": 0.998,
     "hypotheses": [{"map": "office-2", "revision": 7, "x": 4.5, "y": -0.75, "yaw": 1.5,
                     "votes": 31, "inliers": 12, "score": 0.875}],
+    "explanation": {"explained_share": 0.938, "unknown_share": 0.125, "margin_per_hit": 0.25,
+                    "probability_explained": 0.999, "probability_best": 0.999},
     "reason": null, "odometry": "weighted_down",
     "local": {"scans": 40, "features": 23, "pose": {"x": 1.0, "y": 2.0, "yaw": 0.5}},
     "timing_ms": {"odometry": 0.5, "extract": 0.25, "match": 3.0, "verify": 1.0, "track": 0.125,

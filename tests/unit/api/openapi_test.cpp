@@ -118,6 +118,7 @@ TEST(Openapi, HasEveryCallOfTheContract) {
                        "post /v1/sessions/{session}/reset",
                        "post /v1/sessions/{session}/scans",
                        "get /v1/sessions/{session}/events",
+                       "get /v1/sessions/{session}/history",
                        "get /healthz",
                        "get /readyz",
                        "get /metrics",

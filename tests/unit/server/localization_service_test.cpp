@@ -212,6 +212,28 @@ TEST_F(LocalizationServiceTest, GoesOnAfterARestartAsIfThereHadBeenNone) {
   EXPECT_EQ(last.substr(with.size()), expected.substr(without.size()));
 }
 
+std::vector<Point2> points_base_link(const RobotScan& scan) {
+  std::vector<Point2> points;
+  for (const Point2& point : returns_as_points(scan.scan))
+    points.push_back(scan.T_base_link_laser * point);
+  return points;
+}
+
+TEST_F(LocalizationServiceTest, ShowsTheNewestScanOfTheLocalMapAfterARestart) {
+  const std::string id = create(process_);
+  for (std::uint64_t i = 0; i < 6; ++i) answer(process_, id, batch(i));
+  const std::vector<Point2> last = points_base_link(*service_.find(id)->last_scan);
+  Process restarted(file());
+  const auto view = restarted.localization.find(id);
+  ASSERT_TRUE(view->last_scan);
+  const std::vector<Point2> shown = points_base_link(*view->last_scan);
+  ASSERT_FALSE(shown.empty());
+  const auto is_near_the_last = [&](const Point2& point) {
+    return std::ranges::any_of(last, [&](const Point2& o) { return (o - point).norm() < 0.2; });
+  };
+  EXPECT_GT(std::ranges::count_if(shown, is_near_the_last), 0.9 * std::ssize(shown));
+}
+
 TEST_F(LocalizationServiceTest, DoesNotBindLaterScansToTheNumberOfBeamsOfTheFirst) {
   const std::string id = create(process_);
   answer(process_, id, batch(0));

@@ -1,0 +1,27 @@
+// What is chosen and where the view is, kept in the address so that it can be sent to others:
+// #map=NAME&session=ID&tab=maps&x=1.00&y=2.00&z=5
+
+export function readAddress(hash) {
+  const asked = new URLSearchParams(hash.slice(1));
+  const numbers = ['x', 'y', 'z'].map((name) => Number.parseFloat(asked.get(name)));
+  const [x, y, z] = numbers;
+  return {
+    map: asked.get('map'),
+    session: asked.get('session'),
+    tab: asked.get('tab') === 'maps' ? 'maps' : 'robots',
+    view: numbers.every(Number.isFinite) ? { x, y, z } : null,
+  };
+}
+
+export function addressOf({ map, session, tab, view }) {
+  const query = new URLSearchParams();
+  if (map) query.set('map', map);
+  if (session) query.set('session', session);
+  if (tab === 'maps') query.set('tab', tab);
+  if (view) {
+    query.set('x', view.x.toFixed(2));
+    query.set('y', view.y.toFixed(2));
+    query.set('z', String(view.z));
+  }
+  return `#${query}`;
+}

@@ -1,0 +1,21 @@
+// Poses in the plane: {x, y, yaw}, metres and radians. Points of a scan are [x, y] in base_link.
+
+export const transform = (pose, [x, y]) => ({
+  x: pose.x + x * Math.cos(pose.yaw) - y * Math.sin(pose.yaw),
+  y: pose.y + x * Math.sin(pose.yaw) + y * Math.cos(pose.yaw),
+});
+
+export const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+
+// Half axes [m] and direction [rad] of the ellipse at `sigmas` standard deviations, out of a
+// row-major covariance of x, y, yaw.
+export function covarianceEllipse(covariance, sigmas) {
+  const [xx, xy, , , yy] = covariance;
+  const mean = (xx + yy) / 2;
+  const spread = Math.hypot((xx - yy) / 2, xy);
+  return {
+    major: sigmas * Math.sqrt(Math.max(0, mean + spread)),
+    minor: sigmas * Math.sqrt(Math.max(0, mean - spread)),
+    yaw: 0.5 * Math.atan2(2 * xy, xx - yy),
+  };
+}
