@@ -39,6 +39,10 @@ const REASONS = {
     why: `${plural(answer.local.scans, 'scan')} showed ${plural(answer.local.features, 'corner')}: too few to search for the pose.`,
     todo: 'Drive on, towards walls, doors or furniture.',
   }),
+  searching: () => ({
+    why: 'The search of the maps takes longer than one scan and continues at the next.',
+    todo: 'Send more scans, also while the robot stands.',
+  }),
   no_motion: (answer) => ({
     why: answer.hypotheses.length ? candidates(answer) : 'The scans so far fit no single pose.',
     todo: 'The robot stands still, which shows nothing new: drive on.',

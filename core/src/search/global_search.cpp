@@ -119,6 +119,7 @@ void GlobalSearch::verify(Maps maps, const View& view) {
   for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
   budget.charge(kWorkPerCandidate * (candidates_.all().size() + proposed_.size()));
   if (is_outdated(maps)) whole_.reset();
+  if (!whole_) rival_margin_ = kRivalMargin;  // of no search yet
   if (!whole_ && search_due(maps, view)) begin_search(maps, view);
   searched_ = whole_ && continue_search(view, budget);
 }

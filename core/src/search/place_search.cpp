@@ -28,6 +28,8 @@ struct Sample {
 };
 constexpr std::array kSamples{Sample{2 * kGroup, 0.12}, Sample{5 * kGroup, 0.05}};
 constexpr std::size_t kEnoughBlocks = 8192;  // to open at a time
+// Few points give many blocks the same bound. More than this exceed `max_expansions` by far.
+constexpr std::size_t kMostBlocks = 500'000;
 // Headings are taken in an order whose every beginning is spread over the circle. So the first ones
 // give an estimate of the cut-off for the blocks to open.
 constexpr std::size_t kHeadingStride = 67;
@@ -210,7 +212,7 @@ struct PlaceSearch::Run::State {
   /// Opens more blocks that may reach the threshold, of very many the best. Continues an opening
   /// that the budget interrupted.
   void open_blocks(int threshold, WorkBudget& budget);
-  void open_heading(Opening& opening, WorkBudget& budget) const;
+  void open_heading(Opening& begun, WorkBudget& budget) const;
   /// The blocks of one heading whose bounds are in [least, below).
   void collect_blocks(int rotation, int least, int below, std::vector<Node>& blocks,
                       WorkBudget& budget) const;
@@ -251,9 +253,11 @@ std::optional<Node> PlaceSearch::Run::State::next(int threshold, WorkBudget& bud
       if (open.top() < threshold) return std::nullopt;
       const Node node = open.pop();
       ++expansions;
-      if (is_known(node)) continue;
-      if (!node.is_block) return node;
-      expand(node, threshold, budget);
+      budget.charge(1 + found.size());
+      if (!is_known(node)) {
+        if (!node.is_block) return node;
+        expand(node, threshold, budget);
+      }
     }
     if (budget.is_spent()) return std::nullopt;
   }
@@ -267,11 +271,12 @@ void PlaceSearch::Run::State::open_blocks(int threshold, WorkBudget& budget) {
     opening->below = opened_down_to;
     opening->count_by_bound.resize(static_cast<std::size_t>(opened_down_to));
   }
-  while (opening->next_heading < turned.size()) {
+  while (opening->next_heading < turned.size() && opening->least < opening->below) {
     open_heading(*opening, budget);
     ++opening->next_heading;
     if (budget.is_spent()) return;
   }
+  if (opening->least == opened_down_to) expansions = params.max_expansions;  // too many at once
   opened_down_to = opening->least;
   for (const Node& block : opening->blocks) {
     if (block.bound >= opened_down_to) open.push(block);
@@ -279,18 +284,23 @@ void PlaceSearch::Run::State::open_blocks(int threshold, WorkBudget& budget) {
   opening.reset();
 }
 
-void PlaceSearch::Run::State::open_heading(Opening& opening, WorkBudget& budget) const {
-  const std::size_t before = opening.blocks.size();
-  collect_blocks(static_cast<int>(opening.next_heading * kHeadingStride % kRotations),
-                 opening.least, opening.below, opening.blocks, budget);
-  for (const Node& block : std::span(opening.blocks).subspan(before))
-    ++opening.count_by_bound[static_cast<std::size_t>(block.bound)];
-  opening.count += opening.blocks.size() - before;
-  const std::size_t enough = kEnoughBlocks * (opening.next_heading + kHeadStart) / kRotations;
-  const auto lowest = [&] {
-    return opening.count_by_bound[static_cast<std::size_t>(opening.least)];
+void PlaceSearch::Run::State::open_heading(Opening& begun, WorkBudget& budget) const {
+  const std::size_t before = begun.blocks.size();
+  collect_blocks(static_cast<int>(begun.next_heading * kHeadingStride % kRotations), begun.least,
+                 begun.below, begun.blocks, budget);
+  for (const Node& block : std::span(begun.blocks).subspan(before))
+    ++begun.count_by_bound[static_cast<std::size_t>(block.bound)];
+  begun.count += begun.blocks.size() - before;
+  budget.charge(2 * (begun.blocks.size() - before));
+  const std::size_t enough = kEnoughBlocks * (begun.next_heading + kHeadStart) / kRotations;
+  const auto drop_lowest = [&] {
+    begun.count -= begun.count_by_bound[static_cast<std::size_t>(begun.least++)];
   };
-  for (; opening.count - lowest() >= enough; ++opening.least) opening.count -= lowest();
+  while (begun.count - begun.count_by_bound[static_cast<std::size_t>(begun.least)] >= enough)
+    drop_lowest();
+  while (begun.count > kMostBlocks) drop_lowest();
+  if (begun.blocks.size() > 2 * kMostBlocks)
+    std::erase_if(begun.blocks, [&](const Node& block) { return block.bound < begun.least; });
 }
 
 void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
