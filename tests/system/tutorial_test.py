@@ -15,6 +15,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 
 from real_server import SOURCE, skip
 
@@ -70,11 +71,12 @@ def free_port():
 def moved(script):
     """At free ports, so that tutorials run beside each other and beside a server at 8080."""
     port, ros_port = free_port(), free_port()
-    script = script.replace("8080", port).replace("11311", ros_port)
-    script = script.replace("cornerfix serve", f"cornerfix serve --port {port}")
     server = f" --server http://127.0.0.1:{port}"
+    script = script.replace("8080", port)
+    script = script.replace("cornerfix serve", f"cornerfix serve --port {port}")
     script = re.sub(r"cornerfix (replay|map \w+)", lambda match: match.group() + server, script)
-    return script.replace("roscore", f"roscore -p {ros_port}")
+    script = script.replace("roscore >", f"roscore -p {ros_port} >")
+    return f"export ROS_MASTER_URI=http://127.0.0.1:{ros_port}\n{script}"
 
 
 def home(directory):
@@ -86,7 +88,7 @@ def home(directory):
 
 
 def environment(directory, arguments):
-    path = f"{pathlib.Path(arguments.cornerfix).parent}:/usr/bin:/bin"
+    path = f"{pathlib.Path(arguments.cornerfix).resolve().parent}:/usr/bin:/bin"
     return {
         "HOME": str(directory),
         "PATH": path,
@@ -96,6 +98,18 @@ def environment(directory, arguments):
         "ROS_IP": "127.0.0.1",
         "PYTHONDONTWRITEBYTECODE": "1",
     }
+
+
+def stop_group(group):
+    """Asks first, since roscore has children outside of the group, which it ends itself."""
+    try:
+        os.killpg(group, signal.SIGTERM)
+        for _ in range(200):
+            os.killpg(group, 0)
+            time.sleep(0.05)
+        os.killpg(group, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
 
 
 def run(script, directory, arguments):
@@ -114,10 +128,7 @@ def run(script, directory, arguments):
         try:
             code = shell.wait(timeout=TIMEOUT_S)
         finally:
-            try:
-                os.killpg(shell.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            stop_group(shell.pid)
     text = log.read_text()
     print(text)
     assert code == 0, f"a block ended with {code}"
