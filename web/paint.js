@@ -9,6 +9,8 @@ const MIN_ELLIPSE_PX = 4;
 const ROBOT_OUTLINE = [[0.45, 0], [-0.3, 0.28], [-0.15, 0], [-0.3, -0.28]];
 const MIN_ROBOT_SCALE = 26;  // [px/m]: the arrow stays visible in a view of the whole building.
 const MAX_PAIRS = 8;
+const CLOSE_SCALE = 24;  // [px/m]
+const MAX_RINGS = 3000;
 const WAY_COLORS = [[0.5, 'way-none'], [3, 'way-short'], [8, 'way-long'], [Infinity, 'way-hard']];  // Up to metres.
 
 export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -126,24 +128,38 @@ export function paintLocalCorners(context, view, pose, points) {
   }
 }
 
-// Corners of the map: dots from afar, with the direction of the corner from near by.
-export function paintCorners(context, view, corners, chosen) {
-  const radius = Math.min(6, Math.max(1.2, view.scale * 0.12));
-  const isClose = view.scale > 24;
-  const { min_x, max_x, min_y, max_y } = view.bounds;
-  context.strokeStyle = color('corner');
+const inView = ({ min_x, max_x, min_y, max_y }) => ({ x, y }) => x >= min_x && x <= max_x && y >= min_y && y <= max_y;
+
+// Rings with the direction of each, in one path: too slow for many thousands.
+function paintRings(context, view, corners, radius) {
+  const length = view.scale > CLOSE_SCALE ? 2.2 * radius : 0;
   context.lineWidth = 1.2;
   context.beginPath();
   for (const corner of corners) {
-    if (corner.x < min_x || corner.x > max_x || corner.y < min_y || corner.y > max_y) continue;
     const [x, y] = view.at(corner);
     context.moveTo(x + radius, y);
     context.arc(x, y, radius, 0, 2 * Math.PI);
-    if (!isClose) continue;
+    if (!length) continue;
     context.moveTo(x, y);
-    context.lineTo(x + 2.2 * radius * Math.cos(corner.bisector), y - 2.2 * radius * Math.sin(corner.bisector));
+    context.lineTo(x + length * Math.cos(corner.bisector), y - length * Math.sin(corner.bisector));
   }
   context.stroke();
+}
+
+function paintDots(context, view, corners, side) {
+  for (const corner of corners) {
+    const [x, y] = view.at(corner);
+    context.fillRect(x - side / 2, y - side / 2, side, side);
+  }
+}
+
+// Corners of the map: rings, or dots where there are many in view.
+export function paintCorners(context, view, corners, chosen) {
+  const radius = Math.min(6, Math.max(1.2, view.scale * 0.12));
+  const shown = corners.filter(inView(view.bounds));
+  context.strokeStyle = context.fillStyle = color('corner');
+  if (shown.length > MAX_RINGS) paintDots(context, view, shown, Math.min(3, radius));
+  else paintRings(context, view, shown, radius);
   if (!chosen) return;
   context.lineWidth = 3;
   context.beginPath();

@@ -25,7 +25,7 @@ function candidatesTable(hypotheses, chosen) {
     }, String(index + 1))),
     ...[each.map, each.x.toFixed(2), each.y.toFixed(2), words.degrees(each.yaw, 0), share(each.score)].map(cell)));
   return element('table', {},
-    element('caption', {}, 'Candidate poses, best first. Choose one to lay the scan on it.'),
+    element('caption', {}, 'Candidate poses, best first. Choose one to lay the last scan on it. Explained: share of the local map.'),
     element('thead', {}, element('tr', {}, ...head.map((name) => element('th', { scope: 'col' }, name)))),
     element('tbody', {}, ...rows));
 }
