@@ -1,0 +1,43 @@
+#include <cornerfix/localizer_params.hpp>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace cornerfix {
+namespace {
+
+std::string broken_field(const LocalizerParams& params) {
+  const std::optional<Error> error = validate(params);
+  return error ? error->field : "";
+}
+
+TEST(LocalizerParams, DefaultsAreValid) { EXPECT_FALSE(validate(LocalizerParams{})); }
+
+TEST(LocalizerParams, NamesOfMethodsLeadBackToThem) {
+  for (const Method method : {Method::kIndexed, Method::kRma, Method::kNma})
+    EXPECT_EQ(method_from_string(to_string(method)), method);
+  EXPECT_FALSE(method_from_string("Indexed"));
+}
+
+TEST(LocalizerParams, ErrorsNameTheField) {
+  EXPECT_EQ(broken_field({.min_features = 2}), "min_features");
+  EXPECT_EQ(broken_field({.min_votes = 0}), "min_votes");
+  EXPECT_EQ(broken_field({.max_matches = 0}), "max_matches");
+  EXPECT_EQ(broken_field({.sampling = {.overlap = 0.0}}), "sampling.overlap");
+  EXPECT_EQ(broken_field({.sampling = {.success_probability = 1.0}}),
+            "sampling.success_probability");
+  EXPECT_EQ(broken_field({.estimator = {.min_inliers = 1}}), "estimator.min_inliers");
+  EXPECT_EQ(broken_field({.acceptance = {.min_probability = 1.0}}), "acceptance.min_probability");
+  EXPECT_EQ(broken_field({.acceptance = {.min_gap = -1.0}}), "acceptance.min_gap");
+  EXPECT_EQ(broken_field({.acceptance = {.min_mean_gap = -0.1}}), "acceptance.min_mean_gap");
+}
+
+TEST(LocalizerParams, NotANumberIsNeverValid) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(broken_field({.sampling = {.overlap = nan}}), "sampling.overlap");
+  EXPECT_EQ(broken_field({.acceptance = {.min_gap = nan}}), "acceptance.min_gap");
+}
+
+}  // namespace
+}  // namespace cornerfix

@@ -1,0 +1,93 @@
+#include "core/src/search/global_search.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/floor_plans.hpp"
+#include "support/mapped_floor.hpp"
+#include "support/matchers.hpp"
+#include "support/seen_view.hpp"
+
+namespace cornerfix {
+namespace {
+
+using testing::IsPoseNear;
+
+const Pose2 kPath[] = {{1.0, 1.0, 0.0}, {2.0, 1.0, 0.5}, {2.0, 2.5, 1.5}, {2.2, 4.5, 1.4}};
+const Pose2 kTruth = kPath[3];
+
+const std::vector<LocalizationMapPtr>& office_maps() {
+  static const std::vector<LocalizationMapPtr> maps{
+      testing::make_map(testing::offices(), {1.0, 1.0})};
+  return maps;
+}
+
+const View& office_view() {
+  static const View view = testing::view_along(testing::offices(), kPath);
+  return view;
+}
+
+class GlobalSearchMethods : public ::testing::TestWithParam<Method> {};
+
+TEST_P(GlobalSearchMethods, FindTheTruePoseAndAcceptIt) {
+  GlobalSearch search({.method = GetParam()});
+  search.propose(office_maps(), office_view(), 1);
+  search.verify(office_maps(), office_view());
+  ASSERT_FALSE(search.candidates().empty());
+  EXPECT_THAT(search.candidates().best().T_map_base_link, IsPoseNear(kTruth, 0.05, 0.02));
+  EXPECT_TRUE(search.acceptable());
+  EXPECT_TRUE(search.searched()) << "no pose is accepted before all poses were compared";
+  EXPECT_FALSE(search.mirror_image_fits_better(office_maps(), office_view()));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GlobalSearchMethods,
+                         ::testing::Values(Method::kIndexed, Method::kRma, Method::kNma),
+                         [](const auto& test) { return std::string(to_string(test.param)); });
+
+TEST(GlobalSearch, KeepsBothOfTwoAliasedPoses) {
+  const std::vector<LocalizationMapPtr> maps{
+      testing::mapped_floor(testing::equal_rooms(), {{3.0, 2.5}, {23.0, 2.5}}, {27.0, 5.0})};
+  const Pose2 path[] = {{2.0, 1.5, 0.0}, {3.0, 2.5, 0.4}};
+  const View view = testing::view_along(testing::equal_rooms(), path);
+  GlobalSearch search(LocalizerParams{});
+  search.propose(maps, view, 1);
+  search.verify(maps, view);
+  std::vector<Pose2> poses;
+  for (const Candidate& one : search.candidates().all()) poses.push_back(one.T_map_base_link);
+  EXPECT_THAT(poses, ::testing::Contains(IsPoseNear(path[1], 0.1, 0.03)));
+  EXPECT_THAT(poses, ::testing::Contains(IsPoseNear(Pose2{23.0, 2.5, 0.4}, 0.1, 0.03)));
+  EXPECT_FALSE(search.acceptable());
+}
+
+TEST(GlobalSearch, FindsTheMirrorImageOfAScanThatWasTakenUpsideDown) {
+  const View upside_down = mirrored(office_view());
+  GlobalSearch search(LocalizerParams{});
+  const Candidate wrong{.map = 0, .T_map_base_link = {7.5, 1.0, 0.3}};
+  search.review(office_maps(), upside_down, wrong, true);
+  ASSERT_FALSE(search.candidates().empty());
+  EXPECT_TRUE(search.mirror_image_fits_better(office_maps(), upside_down));
+}
+
+TEST(GlobalSearch, ReviewComparesTheTrackedPoseWithAllOthers) {
+  GlobalSearch search(LocalizerParams{});
+  const Candidate tracked{.map = 0, .T_map_base_link = kTruth};
+  EXPECT_FALSE(search.review(office_maps(), office_view(), tracked, false));
+  EXPECT_FALSE(search.searched());
+  EXPECT_TRUE(search.review(office_maps(), office_view(), tracked, true));
+  EXPECT_TRUE(search.searched());
+  EXPECT_TRUE(search.acceptable());
+  EXPECT_GT(search.terms().probability_correct, 0.995);
+}
+
+TEST(GlobalSearch, ForgetsAllWhenReset) {
+  GlobalSearch search(LocalizerParams{});
+  search.propose(office_maps(), office_view(), 1);
+  search.verify(office_maps(), office_view());
+  ASSERT_FALSE(search.candidates().empty());
+  search.reset();
+  EXPECT_TRUE(search.candidates().empty());
+  EXPECT_FALSE(search.searched());
+}
+
+}  // namespace
+}  // namespace cornerfix
