@@ -13,8 +13,8 @@
 
 namespace cornerfix::cli {
 
-/// Robots post batches on a schedule of their own, whether or not answers come in time: an open
-/// loop, so that a slow server is seen as late and not as little load.
+/// Robots post batches on a schedule of their own, whether or not answers come in time. In this
+/// open loop, a slow server shows as late answers and not as little load.
 struct FleetOptions {
   ServerAddress server;
   std::string map;  ///< Empty: robots search all maps.

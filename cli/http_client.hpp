@@ -29,7 +29,7 @@ class HttpClient {
   /// when the connection broke under a request that may be repeated.
   [[nodiscard]] Result<std::string> send(const HttpRequest& request);
 
-  /// Sends once and does not wait, whatever the answer is. kUnavailable without one.
+  /// Sends once and does not wait for any answer. kUnavailable without one.
   [[nodiscard]] Result<HttpReply> ask(const HttpRequest& request);
 
  private:

@@ -1,4 +1,4 @@
-/// \file  How much of a map's extent its key frames can have seen.
+/// \file  How much of a map's extent its keyframes can have seen.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 namespace cornerfix::server {
 
 /// Two poses kilometres apart, one of them wrong say, make a grid of unknown cells that costs
-/// seconds and gigabytes. So a map may span no more than a few times what its key frames saw.
+/// seconds and gigabytes. So a map may span no more than a few times what its keyframes saw.
 class SeenArea {
  public:
   SeenArea() = default;
-  /// Of all key frames of `mapper`.
+  /// Of all keyframes of `mapper`.
   SeenArea(const Mapper& mapper, const MapperParams& params);
 
   void add(const PosedScan& key_frame, const MapperParams& params);
@@ -23,7 +23,7 @@ class SeenArea {
                                             const MapperParams& params) const;
 
  private:
-  double area_m2_ = 0.0;  ///< Sum of the boxes around what each key frame saw.
+  double area_m2_ = 0.0;  ///< Sum of the boxes around what each keyframe saw.
 };
 
 }  // namespace cornerfix::server

@@ -108,7 +108,7 @@ class GlobalSearch {
   void look_by_corners(std::size_t map, const View& view, double min_mean_weight);
   [[nodiscard]] double margin_to_look_at() const;
   [[nodiscard]] std::vector<std::size_t> likeliest_last(std::size_t maps) const;
-  /// What the search would say of a candidate.
+  /// The weight of a candidate in a search.
   [[nodiscard]] static double optimistic_mean(Maps maps, const View& view, const Candidate& place);
 
   LocalizerParams params_;

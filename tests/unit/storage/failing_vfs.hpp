@@ -1,4 +1,4 @@
-/// \file  A file system that fails when it is told to: the layer below SQLite (sqlite3_vfs).
+/// \file  A file system that fails on request: the layer below SQLite (sqlite3_vfs).
 #pragma once
 
 #include <sqlite3.h>

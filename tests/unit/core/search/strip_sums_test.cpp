@@ -30,28 +30,29 @@ class StripSumsOfRows : public ::testing::Test {
   std::vector<const std::uint8_t*> sources_;
   std::array<int, kStrip> expected_{};
   std::vector<std::uint8_t> flags_ = std::vector<std::uint8_t>(kShift + kStrip, kWanted);
+  std::size_t groups_ = 0;
   StripSums sums_{};
 };
 
 TEST_F(StripSumsOfRows, AreThoseOfAllSources) {
   const SumStep steps[] = {{sources_, 0}};
-  ASSERT_TRUE(sum_strip(steps, flags_.data(), kWanted, kShift, sums_));
+  ASSERT_TRUE(sum_strip(steps, flags_.data(), kWanted, kShift, sums_, groups_));
   for (std::size_t i = 0; i < kStrip; ++i) EXPECT_EQ(sums_[i], expected_[i]) << i;
 }
 
 TEST_F(StripSumsOfRows, AreTheSameInSeveralSteps) {
   const std::span<const std::uint8_t* const> all(sources_);
   const SumStep steps[] = {{all.first(kGroup), 1}, {all.subspan(kGroup), 2}};
-  ASSERT_TRUE(sum_strip(steps, flags_.data(), kWanted, kShift, sums_));
+  ASSERT_TRUE(sum_strip(steps, flags_.data(), kWanted, kShift, sums_, groups_));
   for (std::size_t i = 0; i < kStrip; ++i) EXPECT_EQ(sums_[i], expected_[i]) << i;
 }
 
 TEST_F(StripSumsOfRows, AreGivenUpWhenNoneReachesTheLeast) {
   const int highest = std::ranges::max(expected_);
   const SumStep reached[] = {{sources_, highest}};
-  EXPECT_TRUE(sum_strip(reached, flags_.data(), kWanted, kShift, sums_));
+  EXPECT_TRUE(sum_strip(reached, flags_.data(), kWanted, kShift, sums_, groups_));
   const SumStep missed[] = {{sources_, highest + 1}};
-  EXPECT_FALSE(sum_strip(missed, flags_.data(), kWanted, kShift, sums_));
+  EXPECT_FALSE(sum_strip(missed, flags_.data(), kWanted, kShift, sums_, groups_));
 }
 
 TEST_F(StripSumsOfRows, DoNotCountWhereTheFlagIsAnother) {
@@ -60,9 +61,9 @@ TEST_F(StripSumsOfRows, DoNotCountWhereTheFlagIsAnother) {
   const SumStep steps[] = {{sources_, expected_[best]}};
   std::vector<std::uint8_t> only_best(kShift + kStrip, 0);
   only_best[kShift + best] = kWanted;
-  EXPECT_TRUE(sum_strip(steps, only_best.data(), kWanted, kShift, sums_));
+  EXPECT_TRUE(sum_strip(steps, only_best.data(), kWanted, kShift, sums_, groups_));
   const std::vector<std::uint8_t> none(kShift + kStrip, 0);
-  EXPECT_FALSE(sum_strip(steps, none.data(), kWanted, kShift, sums_));
+  EXPECT_FALSE(sum_strip(steps, none.data(), kWanted, kShift, sums_, groups_));
 }
 
 }  // namespace
