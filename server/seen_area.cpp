@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include <cornerfix/occupancy_mapping.hpp>
-
 namespace cornerfix::server {
 namespace {
 
@@ -32,7 +30,7 @@ std::optional<Error> SeenArea::reject(const std::optional<Bounds>& bounds,
     return std::nullopt;
   const Point2 size = bounds->max - bounds->min;
   return Error{ErrorCode::kInvalidArgument,
-               fmt::format("the map would span {:.0f} x {:.0f} m, but its key frames saw at most "
+               fmt::format("the map would span {:.0f} x {:.0f} m, but its keyframes saw at most "
                            "{:.0f} m^2: are the poses right?",
                            size.x(), size.y(), area_m2_),
                ""};

@@ -62,6 +62,9 @@ struct Bounds {
   }
 };
 
+/// Where the robot stood and what it saw within max_range_m.
+[[nodiscard]] Bounds bounds_of(const PosedScan& scan, const OccupancyMappingParams& params);
+
 class FeatureHistory;
 
 /// Grows a map scan by scan. Movable; not synchronised.

@@ -10,9 +10,6 @@
 
 namespace cornerfix {
 
-/// Where the robot stood and what it saw within max_range_m.
-[[nodiscard]] Bounds bounds_of(const PosedScan& scan, const OccupancyMappingParams& params);
-
 /// Occupied where beams ended, free where they passed, unknown elsewhere; T_map_grid has yaw 0 and
 /// lies on whole cells. Where keyframes of a later run (mapping_drive.hpp) looked, earlier
 /// drives weigh little: what is gone is free after twenty beams. O(beams * range / resolution +
