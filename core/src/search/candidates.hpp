@@ -24,7 +24,7 @@ struct Candidate {
   Pose2 T_map_base_link;
   int votes = 0;    ///< Of the descriptors that proposed it, if they did.
   int inliers = 0;  ///< Features that agreed with them.
-  EvidenceScore score;
+  EvidenceScore score{};
 };
 
 /// Distinct places, the one that fits best first.

@@ -231,7 +231,7 @@ TEST_F(LocalizationServiceTest, ShowsTheNewestScanOfTheLocalMapAfterARestart) {
   const auto is_near_the_last = [&](const Point2& point) {
     return std::ranges::any_of(last, [&](const Point2& o) { return (o - point).norm() < 0.2; });
   };
-  EXPECT_GT(std::ranges::count_if(shown, is_near_the_last), 0.9 * std::ssize(shown));
+  EXPECT_GT(10 * std::ranges::count_if(shown, is_near_the_last), 9 * std::ssize(shown));
 }
 
 TEST_F(LocalizationServiceTest, DoesNotBindLaterScansToTheNumberOfBeamsOfTheFirst) {

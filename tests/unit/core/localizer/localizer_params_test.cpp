@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
+#include <string>
 
 namespace cornerfix {
 namespace {
 
-std::string broken_field(const LocalizerParams& params) {
+/// The field that validate() names after a change of the defaults.
+template <typename Change>
+std::string broken_field(const Change& change) {
+  LocalizerParams params;
+  change(params);
   const std::optional<Error> error = validate(params);
   return error ? error->field : "";
 }
@@ -21,22 +27,25 @@ TEST(LocalizerParams, NamesOfMethodsLeadBackToThem) {
 }
 
 TEST(LocalizerParams, ErrorsNameTheField) {
-  EXPECT_EQ(broken_field({.min_features = 2}), "min_features");
-  EXPECT_EQ(broken_field({.min_votes = 0}), "min_votes");
-  EXPECT_EQ(broken_field({.max_matches = 0}), "max_matches");
-  EXPECT_EQ(broken_field({.sampling = {.overlap = 0.0}}), "sampling.overlap");
-  EXPECT_EQ(broken_field({.sampling = {.success_probability = 1.0}}),
+  EXPECT_EQ(broken_field([](auto& p) { p.min_features = 2; }), "min_features");
+  EXPECT_EQ(broken_field([](auto& p) { p.min_votes = 0; }), "min_votes");
+  EXPECT_EQ(broken_field([](auto& p) { p.search_budget_ms = 0.0; }), "search_budget_ms");
+  EXPECT_EQ(broken_field([](auto& p) { p.max_matches = 0; }), "max_matches");
+  EXPECT_EQ(broken_field([](auto& p) { p.sampling.overlap = 0.0; }), "sampling.overlap");
+  EXPECT_EQ(broken_field([](auto& p) { p.sampling.success_probability = 1.0; }),
             "sampling.success_probability");
-  EXPECT_EQ(broken_field({.estimator = {.min_inliers = 1}}), "estimator.min_inliers");
-  EXPECT_EQ(broken_field({.acceptance = {.min_probability = 1.0}}), "acceptance.min_probability");
-  EXPECT_EQ(broken_field({.acceptance = {.min_gap = -1.0}}), "acceptance.min_gap");
-  EXPECT_EQ(broken_field({.acceptance = {.min_mean_gap = -0.1}}), "acceptance.min_mean_gap");
+  EXPECT_EQ(broken_field([](auto& p) { p.estimator.min_inliers = 1; }), "estimator.min_inliers");
+  EXPECT_EQ(broken_field([](auto& p) { p.acceptance.min_probability = 1.0; }),
+            "acceptance.min_probability");
+  EXPECT_EQ(broken_field([](auto& p) { p.acceptance.min_gap = -1.0; }), "acceptance.min_gap");
+  EXPECT_EQ(broken_field([](auto& p) { p.acceptance.min_mean_gap = -0.1; }),
+            "acceptance.min_mean_gap");
 }
 
 TEST(LocalizerParams, NotANumberIsNeverValid) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(broken_field({.sampling = {.overlap = nan}}), "sampling.overlap");
-  EXPECT_EQ(broken_field({.acceptance = {.min_gap = nan}}), "acceptance.min_gap");
+  EXPECT_EQ(broken_field([&](auto& p) { p.sampling.overlap = nan; }), "sampling.overlap");
+  EXPECT_EQ(broken_field([&](auto& p) { p.acceptance.min_gap = nan; }), "acceptance.min_gap");
 }
 
 }  // namespace

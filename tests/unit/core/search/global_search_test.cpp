@@ -30,7 +30,9 @@ const View& office_view() {
 class GlobalSearchMethods : public ::testing::TestWithParam<Method> {};
 
 TEST_P(GlobalSearchMethods, FindTheTruePoseAndAcceptIt) {
-  GlobalSearch search({.method = GetParam()});
+  LocalizerParams params;
+  params.method = GetParam();
+  GlobalSearch search(params);
   search.propose(office_maps(), office_view(), 1);
   search.verify(office_maps(), office_view());
   ASSERT_FALSE(search.candidates().empty());

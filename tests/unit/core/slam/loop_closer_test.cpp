@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "support/matchers.hpp"
 #include "support/posed_drive.hpp"
 
