@@ -33,9 +33,9 @@ constexpr double kMaxIntervalRatio = 3.0;
 constexpr double kLeastMotion = 0.02;  // [m]
 constexpr double kLeastTurn = 0.02;    // [rad]
 // Odometry that differs from constant velocity by more has jumped: no wheeled robot accelerates so.
-constexpr double kJump = 0.3;               // [m]
+constexpr double kJump = 0.6;               // [m]
 constexpr double kAcceleration = 5.0;       // [m/s^2]
-constexpr double kTurnJump = 0.5;           // [rad]
+constexpr double kTurnJump = 0.8;           // [rad]
 constexpr double kTurnAcceleration = 20.0;  // [rad/s^2]
 
 // Reviews of an accepted pose.
@@ -160,34 +160,20 @@ struct Localizer::Impl {
   /// Scan-to-submap matching. Odometry predicts the motion as far as it agrees with the scans, the
   /// motion before where it does not.
   void move_along(const RobotScan& robot_scan, const std::vector<Point2>& points) {
-    std::optional<Pose2> odometry;
-    if (robot_scan.T_odom_base_link && last_T_odom_base_link)
-      odometry = inverse(*last_T_odom_base_link) * *robot_scan.T_odom_base_link;
-    const bool is_frozen = odometry && *last_T_odom_base_link == *robot_scan.T_odom_base_link;
-    last_T_odom_base_link = robot_scan.T_odom_base_link;
-    const double interval_s = last_stamp ? robot_scan.scan.stamp - *last_stamp : 0.0;
-    const Pose2 steady_motion = motion_at_constant_velocity(interval_s);
-    last_stamp = robot_scan.scan.stamp;
-    last_interval_s = interval_s;
+    const Prediction prediction = predict(robot_scan);
     if (submap.empty()) return;  // this scan begins the submap, wherever it is
     const Pose2 before = T_submap_base_link;
-    const bool is_implausible = (is_frozen && is_moving(steady_motion)) ||
-                                (odometry && is_jump(*odometry, steady_motion, interval_s));
-    const bool is_trusted =
-        odometry && !is_implausible && odometry_monitor.use() != OdometryUse::kIgnored;
-    const PosePrior prior = is_trusted
-                                ? odometry_prior(before, *odometry, odometry_monitor.noise_scale())
-                                : constant_velocity_prior(before, steady_motion);
-    Pose2 now_at = prior.T_frame_base_link;
-    Eigen::Matrix3d noise = prior.information.inverse();
+    Pose2 now_at = prediction.likely.T_frame_base_link;
+    Eigen::Matrix3d noise = prediction.likely.information.inverse();
     if (!points.empty()) {
-      const Match matched = match(points, prior, is_trusted, steady_motion);
+      const Match matched = match(points, prediction);
       if (belongs_to_submap(matched.pose.inlier_share)) {
         now_at = matched.pose.T_frame_base_link;
         stray_scans = 0;
         const Eigen::Matrix3d information = submap.match_information(points, now_at);
         noise = share_of_prior(matched.prior_information, information, now_at.yaw);
-        if (odometry) odometry_monitor.add(*odometry, inverse(before) * now_at, information);
+        if (prediction.odometry)
+          odometry_monitor.add(*prediction.odometry, inverse(before) * now_at, information);
       } else if (++stray_scans >= kMaxStrayScans) {
         restart_submap(Withdrawal::kScansLost);
         return;
@@ -204,6 +190,35 @@ struct Localizer::Impl {
     }
   }
 
+  /// What is known of the pose at a scan before it is matched.
+  struct Prediction {
+    PosePrior likely;
+    /// The other one of odometry and constant velocity; none while odometry is ignored.
+    std::optional<PosePrior> alternative;
+    bool is_odometry_likely = false;
+    std::optional<Pose2> odometry;  ///< Motion since the last scan.
+  };
+
+  [[nodiscard]] Prediction predict(const RobotScan& robot_scan) {
+    const std::optional<Pose2> T_odom_before =
+        std::exchange(last_T_odom_base_link, robot_scan.T_odom_base_link);
+    const double interval_s = last_stamp ? robot_scan.scan.stamp - *last_stamp : 0.0;
+    const Pose2 steady_motion = motion_at_constant_velocity(interval_s);
+    last_stamp = robot_scan.scan.stamp;
+    last_interval_s = interval_s;
+    const PosePrior steady = constant_velocity_prior(T_submap_base_link, steady_motion);
+    if (!T_odom_before || !last_T_odom_base_link) return {steady, {}, false, {}};
+
+    const Pose2 odometry = inverse(*T_odom_before) * *last_T_odom_base_link;
+    if (odometry_monitor.use() == OdometryUse::kIgnored) return {steady, {}, false, odometry};
+    const PosePrior by_odometry =
+        odometry_prior(T_submap_base_link, odometry, odometry_monitor.noise_scale());
+    const bool may_hang = *T_odom_before == *last_T_odom_base_link && is_moving(steady_motion);
+    if (may_hang || is_jump(odometry, steady_motion, interval_s))
+      return {steady, by_odometry, false, odometry};
+    return {by_odometry, steady, true, odometry};
+  }
+
   /// The motion until the next scan, `interval_s` after the last.
   [[nodiscard]] Pose2 motion_at_constant_velocity(double interval_s) const {
     if (last_interval_s <= 0.0) return last_motion;
@@ -216,18 +231,17 @@ struct Localizer::Impl {
     Eigen::Matrix3d prior_information;  ///< Of the prediction that it started from.
   };
 
-  /// Lays a scan on the submap from the predicted pose, and, where odometry leads to no match, from
-  /// the pose at constant velocity.
-  [[nodiscard]] Match match(const std::vector<Point2>& points, const PosePrior& prior,
-                            bool by_odometry, const Pose2& steady_motion) const {
-    const Match matched{submap.match(points, prior), prior.information};
-    if (!by_odometry || points.size() < kEnoughPoints ||
-        matched.pose.inlier_share >= least_matched_share())
-      return matched;
-    const PosePrior steady = constant_velocity_prior(T_submap_base_link, steady_motion);
-    const Match other{submap.match(points, steady), steady.information};
-    return other.pose.inlier_share > matched.pose.inlier_share + kClearlyBetterShare ? other
-                                                                                     : matched;
+  /// Lays a scan on the submap from the likely prediction, and from the alternative where that
+  /// leads to no match or odometry is implausible.
+  [[nodiscard]] Match match(const std::vector<Point2>& points, const Prediction& prediction) const {
+    const Match likely{submap.match(points, prediction.likely), prediction.likely.information};
+    const bool is_enough =
+        prediction.is_odometry_likely && likely.pose.inlier_share >= least_matched_share();
+    if (is_enough || !prediction.alternative || points.size() < kEnoughPoints) return likely;
+    const Match other{submap.match(points, *prediction.alternative),
+                      prediction.alternative->information};
+    return other.pose.inlier_share > likely.pose.inlier_share + kClearlyBetterShare ? other
+                                                                                    : likely;
   }
 
   [[nodiscard]] double least_matched_share() const {

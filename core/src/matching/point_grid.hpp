@@ -36,6 +36,7 @@ class PointGrid {
   /// Calls visit(index into points(), squared distance) for each point within the radius.
   template <typename Visit>
   void for_each_within(const Point2& center, double radius_m, Visit visit) const {
+    if (points_.empty()) return;
     const Point2 reach(radius_m, radius_m);
     const Point2 low = (center - reach - origin_) * cells_per_m_;
     const Point2 high = (center + reach - origin_) * cells_per_m_;

@@ -113,26 +113,22 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
 // --- verification
 
 void GlobalSearch::verify(Maps maps, const View& view) {
-  WorkBudget budget(params_.search_budget_ms);
   candidates_.set_free_area(free_area_of(maps));
   candidates_.judge_again(maps, view);
   for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
-  budget.charge(kWorkPerCandidate * (candidates_.all().size() + proposed_.size()));
   if (is_outdated(maps)) whole_.reset();
   if (!whole_) rival_margin_ = kRivalMargin;  // of no search yet
   if (!whole_ && search_due(maps, view)) begin_search(maps, view);
-  searched_ = whole_ && continue_search(view, budget);
+  searched_ = whole_ && continue_search(view);
 }
 
 bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked, bool search_maps) {
-  WorkBudget budget(params_.search_budget_ms);
   candidates_.set_free_area(free_area_of(maps));
   candidates_.judge_again(maps, view);
   candidates_.consider(*maps[tracked.map], view, tracked);
-  budget.charge(kWorkPerCandidate * candidates_.all().size());
   if (is_outdated(maps)) whole_.reset();
   if (!whole_ && search_maps) begin_search(maps, view);
-  searched_ = whole_ && continue_search(view, budget);
+  searched_ = whole_ && continue_search(view);
   return searched_;
 }
 
@@ -158,7 +154,8 @@ void GlobalSearch::begin_pass() {
   whole_->searched_down_to = -std::numeric_limits<double>::infinity();
 }
 
-bool GlobalSearch::continue_search(const View& view, WorkBudget& budget) {
+bool GlobalSearch::continue_search(const View& view) {
+  WorkBudget budget(params_.search_budget_ms);
   while (continue_pass(view, budget)) {
     const bool is_deep_enough = candidates_.empty() || !candidates_.may_be_accepted() ||
                                 rival_margin_ >= margin_to_look_at();

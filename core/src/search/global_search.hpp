@@ -98,8 +98,8 @@ class GlobalSearch {
   [[nodiscard]] double best_mean() const;
   void begin_search(Maps maps, const View& view);
   void begin_pass();
-  /// Continues the search. Returns whether it ended.
-  bool continue_search(const View& view, WorkBudget& budget);
+  /// Continues the search within the budget of one scan. Returns whether it ended.
+  bool continue_search(const View& view);
   /// Continues one pass over the maps. Returns whether it ended.
   bool continue_pass(const View& view, WorkBudget& budget);
   /// Returns whether the map was searched to the end.
