@@ -13,7 +13,9 @@ namespace {
 using simdjson::ondemand::object;
 using simdjson::ondemand::value;
 
-Error malformed(std::string message) { return {ErrorCode::kMalformed, std::move(message), ""}; }
+Error malformed_line(std::string message) {
+  return {ErrorCode::kMalformed, std::move(message), ""};
+}
 
 bool is_blank(const std::string& line) {
   return line.find_first_not_of(" \t") == std::string::npos;
@@ -58,16 +60,18 @@ class JsonLinesParser final : public ScanParser {
       } else {
         LogScan scan = read_scan(document.get_object());
         // Only at the end there is no location.
-        if (!document.current_location().error()) return malformed("more text behind the object");
+        if (!document.current_location().error())
+          return malformed_line("more text behind the object");
         return check(std::move(scan));
       }
     } catch (const simdjson::simdjson_error& error) {
-      return malformed((field_.empty() ? "" : field_ + ": ") + error.what());
+      return malformed_line((field_.empty() ? "" : field_ + ": ") + error.what());
     }
     if (auto error = validate(header_.lidar)) {
-      return malformed("header: " + error->field + " " + error->message);
+      return malformed_line("header: " + error->field + " " + error->message);
     }
-    if (header_.beams > LogReader::kMaxBeams) return malformed("header: beams " + too_many_beams());
+    if (header_.beams > LogReader::kMaxBeams)
+      return malformed_line("header: beams " + too_many_beams());
     has_header_ = true;
     return std::optional<LogScan>();
   }
@@ -140,17 +144,19 @@ class JsonLinesParser final : public ScanParser {
   static std::string too_many_beams() { return "above " + std::to_string(LogReader::kMaxBeams); }
 
   Result<std::optional<LogScan>> check(LogScan scan) {
-    if (!has_stamp_) return malformed("t: missing, expected seconds");
-    if (scan.scan.ranges.empty()) return malformed("ranges: none, expected metres or null");
+    if (!has_stamp_) return malformed_line("t: missing, expected seconds");
+    if (scan.scan.ranges.empty()) return malformed_line("ranges: none, expected metres or null");
     if (scan.scan.ranges.size() > LogReader::kMaxBeams) {
-      return malformed("ranges: number of values " + too_many_beams());
+      return malformed_line("ranges: number of values " + too_many_beams());
     }
     if (header_.beams == 0) header_.beams = scan.scan.ranges.size();
     if (named_beams_ && !has_own_angles_ && scan.scan.ranges.size() != *named_beams_) {
-      return malformed("ranges: " + std::to_string(scan.scan.ranges.size()) + " values, expected " +
-                       std::to_string(*named_beams_) + " (from beams of the header)");
+      return malformed_line("ranges: " + std::to_string(scan.scan.ranges.size()) +
+                            " values, expected " + std::to_string(*named_beams_) +
+                            " (from beams of the header)");
     }
-    if (auto error = validate(scan.scan)) return malformed(error->field + ": " + error->message);
+    if (auto error = validate(scan.scan))
+      return malformed_line(error->field + ": " + error->message);
     return std::optional<LogScan>(std::move(scan));
   }
 

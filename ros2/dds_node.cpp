@@ -22,8 +22,8 @@ std::string loopback_configuration() {
   return own == nullptr ? kLoopbackConfiguration : std::string(own) + "," + kLoopbackConfiguration;
 }
 
-Error dds_error(dds_entity_t code, std::string where) {
-  return {ErrorCode::kUnavailable, std::string("DDS: ") + dds_strretcode(code), std::move(where)};
+Error dds_error(dds_entity_t code, const std::string& where) {
+  return {ErrorCode::kUnavailable, std::string("DDS: ") + dds_strretcode(code), where};
 }
 
 void take_messages(dds_entity_t reader, void* callback) {

@@ -187,9 +187,10 @@ struct LocalizationService::Session {
 
   /// Goes on in these maps. When the tracked one is not among them, the robot is lost.
   void use_maps(SessionMaps loaded, const Localizer::Clock& clock) {
-    auto& [maps, ids, holds_all, area_m2] = loaded;
-    holds_all_maps = holds_all;
-    free_area_m2 = area_m2;
+    std::vector<LocalizationMapPtr> maps = std::move(loaded.maps);
+    std::vector<std::int64_t> ids = std::move(loaded.ids);
+    holds_all_maps = loaded.holds_all;
+    free_area_m2 = loaded.free_area_m2;
     if (localizer && ids == map_ids) {
       if (maps != localizer->maps()) localizer->replace_maps(std::move(maps));
       return;

@@ -67,12 +67,12 @@ Result<SessionMaps> load_all(MapLibrary& library, std::span<const MapInfo> infos
 
 Result<SessionMaps> load_one(MapLibrary& library, std::span<const MapInfo> infos, std::int64_t id,
                              double free_area_m2) {
-  static const LocalizationMapPtr kNothing = stand_in(0.0);
+  static const LocalizationMapPtr nothing = stand_in(0.0);
   SessionMaps loaded{.maps = {}, .ids = {}, .holds_all = false, .free_area_m2 = free_area_m2};
   double other_area_m2 = free_area_m2;
   for (const MapInfo& info : infos) {
     if (!info.bounds) continue;
-    LocalizationMapPtr map = kNothing;
+    LocalizationMapPtr map = nothing;
     if (info.id == id) {
       auto real = library.load(info);
       if (!real) return real.error();
@@ -82,7 +82,7 @@ Result<SessionMaps> load_one(MapLibrary& library, std::span<const MapInfo> infos
     loaded.maps.push_back(std::move(map));
     loaded.ids.push_back(info.id);
   }
-  const auto other = std::ranges::find(loaded.maps, kNothing);
+  const auto other = std::ranges::find(loaded.maps, nothing);
   if (other != loaded.maps.end() && other_area_m2 > 0.0) *other = stand_in(other_area_m2);
   return loaded;
 }

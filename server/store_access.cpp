@@ -73,7 +73,7 @@ Result<void> StoreAccess::probe(std::uint64_t min_free_bytes) {
     if (auto in_place = check_in_place(); !in_place) return in_place;
     if (auto readable = session_database_->probe(); !readable) return readable;
     if (auto room = check_room(min_free_bytes); !room) return room;
-    const auto stored = write_check_.result([this] { return session_database_->probe_write(); });
+    auto stored = write_check_.result([this] { return session_database_->probe_write(); });
     if (!stored) return stored;
   }
   return page_check_.result();

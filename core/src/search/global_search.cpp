@@ -139,7 +139,7 @@ bool GlobalSearch::is_outdated(Maps maps) const {
 
 void GlobalSearch::begin_search(Maps maps, const View& view) {
   rival_margin_ = kRivalMargin;
-  whole_.emplace();
+  whole_ = WholeSearch();
   whole_->maps.assign(maps.begin(), maps.end());
   whole_->view = view;
   whole_->looks.resize(maps.size());

@@ -266,7 +266,7 @@ std::optional<Node> PlaceSearch::Run::State::next(int threshold, WorkBudget& bud
 
 void PlaceSearch::Run::State::open_blocks(int threshold, WorkBudget& budget) {
   if (!opening) {
-    opening.emplace();
+    opening = Opening();
     opening->least = threshold;
     opening->below = opened_down_to;
     opening->count_by_bound.resize(static_cast<std::size_t>(opened_down_to));
