@@ -96,12 +96,11 @@ int revoke(const TokenArguments& arguments) {
 }
 
 CLI::Validator holder_name() {
-  return {
-      [](const std::string& text) {
-      return api::is_valid_name(text) ? "" : "expected [A-Za-z0-9][A-Za-z0-9._-]{0,127}";
-      },
-      "NAME"};
-  }
+  return {[](const std::string& text) {
+            return api::is_valid_name(text) ? "" : "expected [A-Za-z0-9][A-Za-z0-9._-]{0,127}";
+          },
+          "NAME"};
+}
 
 }  // namespace
 
