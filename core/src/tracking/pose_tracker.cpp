@@ -63,14 +63,14 @@ double mean_squared_distance(const DistanceField& field, std::span<const Point2>
 Pose2 best_start(const DistanceField& field, std::span<const Point2> points, const Pose2& predicted,
                  const Eigen::Matrix3d& covariance) {
   constexpr std::size_t kPoints = 90;
-  constexpr double kClearlyBetter = 0.8;  // of the mean squared distance
+  constexpr double kCoarseGain = 0.8;  // of the mean squared distance
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
   const double sigma = std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
   if (!(sigma >= kBasin)) return predicted;
   const Eigen::Vector2d axis = axes.eigenvectors().col(1);
   const std::vector<Point2> some = thinned(points, kPoints);
   Pose2 best = predicted;
-  double least = kClearlyBetter * mean_squared_distance(field, some, predicted);
+  double least = kCoarseGain * mean_squared_distance(field, some, predicted);
   const int starts = std::min(kMaxStarts, static_cast<int>(2.0 * sigma / kStartSpacing));
   for (int i = -starts; i <= starts; ++i) {
     const Eigen::Vector2d shift = kStartSpacing * i * axis;
