@@ -102,7 +102,7 @@ ClassField::ClassField(const OccupancyGrid& grid, const DistanceField& field)
   }
 }
 
-bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) const {
+bool ClassField::is_crossed(const Point2& from_cells, const Point2& to_cells) const {
   constexpr double kClear = 0.20;
   const double length = (to_cells - from_cells).norm();
   const Point2 direction = (to_cells - from_cells) / std::max(length, 1e-9);
@@ -117,6 +117,16 @@ bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) 
     along += stride_[here & 15U];
   }
   return false;
+}
+
+bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) const {
+  constexpr double kGrazing = 0.1;  // [m]
+  if (!is_crossed(from_cells, to_cells)) return false;
+  const Point2 beam = to_cells - from_cells;
+  const Point2 aside =
+      kGrazing / (resolution_ * std::max(beam.norm(), 1e-9)) * Point2{-beam.y(), beam.x()};
+  return is_crossed(from_cells + aside, to_cells + aside) &&
+         is_crossed(from_cells - aside, to_cells - aside);
 }
 
 EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,

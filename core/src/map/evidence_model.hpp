@@ -69,8 +69,9 @@ class ClassField {
   /// Both classes as stored: the end class in the low nibble, the pass class in the high one.
   [[nodiscard]] std::uint8_t packed(int column, int row) const { return at(column, row); }
 
-  /// Whether a wall stands between two points, seen from both: neither the wall that a beam ends in
-  /// nor one that it grazes counts. Points in cells of the grid; O(free places on the way).
+  /// Whether a wall stands between two points. It must also block the beams 0.1 m to either side: a
+  /// beam that grazes a wall, within the error of a correct pose, is not blocked. The wall that a
+  /// beam ends in does not count. Points in cells of the grid; O(free places along the beam).
   [[nodiscard]] bool wall_between(const Point2& from_cells, const Point2& to_cells) const;
 
   /// Class of a cell outside the grid: far from walls, unknown.
@@ -78,6 +79,8 @@ class ClassField {
       (kFieldClasses - 1) | (static_cast<std::size_t>(PassClass::kUnknown) << 4U));
 
  private:
+  /// Whether a line enters a wall and leaves it again.
+  [[nodiscard]] bool is_crossed(const Point2& from_cells, const Point2& to_cells) const;
   [[nodiscard]] std::uint8_t at(int column, int row) const {
     if (column < 0 || row < 0 || column >= width_ || row >= height_) return kOutside;
     return classes_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +

@@ -146,6 +146,20 @@ TEST(EvidenceModel, ABeamThatGrazesAWallIsNotHidden) {
   EXPECT_EQ(score.end_counts[kHiddenNear] + score.end_counts[kHiddenFar], 0);
 }
 
+TEST(EvidenceModel, ABeamPastTheEdgeOfAnObstacleIsNotHidden) {
+  const SceneBuilder scene = SceneBuilder().room({0, 0}, {8.0, 8.0}).room({3, 3}, {4, 4});
+  const ClassField classes =
+      classes_of(testing::drawn_grid(scene, {2.0, 2.0}, {-1, -1, 0}, {10.0, 10.0}, 0.05));
+  const auto hidden_hits = [&](double y) {
+    const EvidenceScore score =
+        score_evidence(classes, {.ends = {{7.98, y}}, .origins = {{1.0, y}}}, {});
+    return score.end_counts[kHiddenNear] + score.end_counts[kHiddenFar];
+  };
+  EXPECT_EQ(hidden_hits(3.5), 1) << "through the middle";
+  EXPECT_EQ(hidden_hits(3.05), 0) << "0.05 m inside its edge";
+  EXPECT_EQ(hidden_hits(2.9), 0) << "past it";
+}
+
 TEST(EvidenceModel, NoEvidenceScoresNothing) {
   const EvidenceScore score = score_evidence(classes_of(room_grid()), {}, {6.0, 5.0, 0.0});
   EXPECT_EQ(score.log_likelihood, 0.0);
