@@ -26,7 +26,7 @@ MIN_MARGIN, MIN_MARGIN_PER_HIT = 3, 0.02  # as in AcceptanceParams
 # The a-contrario test is calibrated by theory, where the slope is 1; samples of few buildings leave it
 # open. Slopes near 0.8 fit all domains that have wrong poses with a low significance.
 SIGNIFICANCE_SLOPE = 0.8
-NO_RIVAL = 7.99  # evidence against rivals when there is none
+NO_RIVAL = 11.99  # evidence against rivals when there is none
 LEAST_GROUP = 250  # samples; smaller domains weigh in proportion
 PROBABILITIES = (0.9, 0.95, 0.98, 0.99, 0.995)
 
@@ -43,12 +43,11 @@ class Samples:
         self.passes = {pose: counts(pose, "pass", PASS_CLASSES) for pose in ("best", "second")}
         self.right = column("right").astype(int)
         self.hits = self.ends["best"].sum(axis=1)
-        self.terms = {name: column(name) for name in ("significance", "margin_per_hit", "rival_evidence",
-                                                      "unknown_share")}
+        self.significance, self.rival_evidence = column("significance"), column("rival_evidence")
         self.building = np.array([row["log"].split(":")[-1] for row in rows])
         self.domain = np.array([row["domain"] for row in rows])
         self.mirrored = np.array([row["log"].startswith("mirrored:") for row in rows])
-        margin = self.terms["margin_per_hit"]
+        margin = column("margin_per_hit")
         self.acceptable = (margin >= MIN_MARGIN_PER_HIT) & (margin * self.hits >= MIN_MARGIN)
 
 
@@ -80,17 +79,9 @@ def sigmoid(x):
     return 1 / (1 + np.exp(-np.clip(x, -40, 40)))
 
 
-def margin_terms(samples, chosen):
-    terms = {name: values[chosen] for name, values in samples.terms.items()}
-    return np.column_stack([np.ones(len(chosen)), terms["margin_per_hit"], np.log(1.02 - terms["unknown_share"])])
-
-
-def explained(samples, chosen, offset):
-    return sigmoid(offset + SIGNIFICANCE_SLOPE * samples.terms["significance"][chosen])
-
-
-def no_rival(samples, chosen, offset):
-    evidence = samples.terms["rival_evidence"][chosen]
+def no_rival(samples, chosen, offset=0.0):
+    """Probability that no rival is the correct pose. By theory the offset is 0."""
+    evidence = samples.rival_evidence[chosen]
     return np.where(evidence < NO_RIVAL, sigmoid(offset + evidence), 1)
 
 
@@ -101,32 +92,23 @@ def importance_of(samples, chosen):
     return weight / weight.sum()
 
 
-def learn(samples, chosen):
-    """Maximum likelihood of the product of the three factors, with a weak prior on the slopes."""
+def learn(samples, chosen, rival_offset=0.0):
+    """The offset of the significance by maximum likelihood. `rival_offset=None` learns that one, too."""
     chosen = chosen[samples.acceptable[chosen]]
-    x, y, weight = margin_terms(samples, chosen), samples.right[chosen], importance_of(samples, chosen)
-    scale = np.r_[1, x[:, 1:].std(axis=0) + 1e-9]
-    prior = 0.1 / len(chosen) * np.r_[0, 0, 0, np.ones(x.shape[1] - 1)]
+    y, weight = samples.right[chosen], importance_of(samples, chosen)
+    significance = SIGNIFICANCE_SLOPE * samples.significance[chosen]
 
-    def loss(parameters):
-        by_itself, rival = explained(samples, chosen, parameters[0]), no_rival(samples, chosen, parameters[1])
-        margin = sigmoid((x / scale) @ parameters[2:])
-        p = np.clip(by_itself * rival * margin, 1e-9, 1 - 1e-9)
-        value = -(weight * (y * np.log(p) + (1 - y) * np.log(1 - p))).sum() + (prior * parameters**2).sum()
-        slope = weight * (p - y) / (1 - p)
-        gradient = np.r_[(slope * (1 - by_itself)).sum(), (slope * (1 - rival)).sum(),
-                         (x / scale).T @ (slope * (1 - margin))]
-        return value, gradient + 2 * prior * parameters
+    def loss(offsets):
+        rival = no_rival(samples, chosen, offsets[1] if rival_offset is None else rival_offset)
+        p = np.clip(sigmoid(offsets[0] + significance) * rival, 1e-9, 1 - 1e-9)
+        return -(weight * (y * np.log(p) + (1 - y) * np.log(1 - p))).sum()
 
-    start = np.r_[8, 1, 1, np.full(x.shape[1] - 1, 0.3)]
-    found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": 3000}).x
-    return found[0], found[1], found[2:] / scale
+    return minimize(loss, np.array([6.0, 0.0]), method="Nelder-Mead").x
 
 
 def decide(samples, chosen, model):
-    offset, rival_offset, coefficients = model
-    p = (explained(samples, chosen, offset) * no_rival(samples, chosen, rival_offset)
-         * sigmoid(margin_terms(samples, chosen) @ coefficients))
+    p = (sigmoid(model[0] + SIGNIFICANCE_SLOPE * samples.significance[chosen])
+         * no_rival(samples, chosen))
     return np.where(samples.acceptable[chosen], p, 0)
 
 
@@ -175,9 +157,8 @@ def main():
         report("mirrored, before that check", decide(samples, mirrored, model), samples.right[mirrored])
     weights = learn_weights(samples, everything)
     print("kRivalWeights, from these samples", weights[0].round(2).tolist(), weights[1].round(2).tolist())
-    names = ("kExplainedOffset", "kRivalOffset", "kMarginOffset", "kMarginSlope", "kKnownSlope")
-    for name, value in zip(names, [*model[:2], *model[2]]):
-        print(f"constexpr double {name} = {value:.3f};")
+    print(f"constexpr double kExplainedOffset = {model[0]:.2f};")
+    print(f"offset of the rival evidence, 0 by theory: {learn(samples, everything, None)[1]:.2f}")
 
 
 if __name__ == "__main__":

@@ -98,8 +98,8 @@ struct AcceptanceTerms {
   double significance = 0.0;     ///< Against the best of all poses by chance [nat].
   // The pose and its rivals:
   double margin_per_hit = 0.0;  ///< Log-likelihood ratio to the strongest rival [nat].
-  /// -ln of the sum of exp(-z^2 / 2) over the rivals [nat], within limits. z is the margin over a
-  /// rival in standard errors.
+  /// Logarithm of the odds that the pose is correct and not one of the rivals, by the squares in
+  /// which they differ [nat], within limits.
   double rival_evidence = 0.0;
   double unknown_share = 0.0;  ///< Of the hits, in space unknown to the map.
   double independent_hits = 0.0;

@@ -1,8 +1,9 @@
 #include "core/src/acceptance/acceptance.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <unsupported/Eigen/SpecialFunctions>
 
 namespace cornerfix {
 namespace {
@@ -12,47 +13,49 @@ constexpr double kChanceShare = 0.2;
 // Distinct poses per square metre of free space: 0.5 m apart, 24 headings.
 constexpr double kPosesPerSquareMetre = 100.0;
 
-// Largest values that the calibration data cover.
+// Limits of the significance that the calibration data cover [nat].
 constexpr double kMostSignificance = 15.0;
 constexpr double kLeastSignificance = -25.0;
-constexpr double kMostMarginPerHit = 0.75;
 // Evidence against rivals without any rival, and with many as good as the best [nat].
-constexpr double kMostRivalEvidence = 8.0;
+constexpr double kMostRivalEvidence = 12.0;
 constexpr double kLeastRivalEvidence = -3.0;
 
-// Coefficients of the three logistic models. By theory, the slopes of the first and of the last are
-// 1, because their terms are logarithms of odds. The data prefer 0.8 for the first.
-constexpr double kExplainedOffset = 7.31;
+// Coefficients of the logistic model of the significance. By theory its slope is 1, because the
+// significance is a logarithm of odds. The data prefer 0.8.
+constexpr double kExplainedOffset = 6.1;
 constexpr double kExplainedSlope = 0.8;
-constexpr double kMarginOffset = -1.47;
-constexpr double kMarginSlope = 43.0;
-constexpr double kKnownSlope = 2.64;
-constexpr double kRivalOffset = 2.18;
 
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
-double log_odds(double probability) { return std::log(probability / (1.0 - probability)); }
 
-double explained_logit(double significance) {
-  return kExplainedOffset + kExplainedSlope * significance;
-}
-
-double margin_logit(double margin_per_hit, double unknown_share) {
-  return kMarginOffset + kMarginSlope * margin_per_hit +
-         kKnownSlope * std::log(1.02 - unknown_share);
+/// Probability that a rate of changes is below one half, of which `changed` and `unchanged` blocks
+/// are known. The rate is uniformly distributed beforehand.
+double probability_below_half(double changed, double unchanged) {
+  const Eigen::Array<double, 1, 1> a(changed + 1.0);
+  const Eigen::Array<double, 1, 1> b(unchanged + 1.0);
+  const Eigen::Array<double, 1, 1> half(0.5);
+  constexpr double kLeast = 1e-300;
+  return std::max(kLeast, Eigen::betainc(a, b, half)(0));
 }
 
 }  // namespace
 
-double margin_z(const EvidenceScore& best, const EvidenceScore& rival) {
-  double sum = 0.0;
+double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival) {
+  double favouring_best = 0.0;
+  double favouring_rival = 0.0;
   double squares = 0.0;
   for (std::size_t i = 0; i < std::min(best.block_llr.size(), rival.block_llr.size()); ++i) {
     const double difference =
         static_cast<double>(best.block_llr[i]) - static_cast<double>(rival.block_llr[i]);
-    sum += difference;
+    (difference > 0.0 ? favouring_best : favouring_rival) += std::abs(difference);
     squares += difference * difference;
   }
-  return squares > 0.0 ? sum / std::sqrt(squares) : 0.0;
+  if (squares <= 0.0) return 0.0;
+  // Sums of weights become effective numbers: n = (sum w)^2 / sum w^2, shared as the weights are.
+  const double scale = (favouring_best + favouring_rival) / squares;
+  const double for_best = scale * favouring_best;
+  const double for_rival = scale * favouring_rival;
+  return std::log(probability_below_half(for_rival, for_best)) -
+         std::log(probability_below_half(for_best, for_rival));
 }
 
 double chance_significance(const EvidenceScore& best, double free_area_m2) {
@@ -65,7 +68,7 @@ double chance_significance(const EvidenceScore& best, double free_area_m2) {
   return sign * hits * entropy - std::log(std::max(1.0, kPosesPerSquareMetre * free_area_m2));
 }
 
-AcceptanceTerms weigh(const EvidenceScore& best, double margin, std::span<const double> rival_z,
+AcceptanceTerms weigh(const EvidenceScore& best, double margin, std::span<const double> log_odds,
                       double free_area_m2) {
   AcceptanceTerms terms;
   if (best.ends == 0 || margin <= 0.0) return terms;
@@ -73,27 +76,16 @@ AcceptanceTerms weigh(const EvidenceScore& best, double margin, std::span<const 
   terms.independent_hits = best.independent_hits;
   terms.significance =
       std::clamp(chance_significance(best, free_area_m2), kLeastSignificance, kMostSignificance);
-  terms.margin_per_hit = std::min(margin / best.ends, kMostMarginPerHit);
-  double rivals = 0.0;
-  for (const double z : rival_z) rivals += std::exp(-0.5 * z * std::max(0.0, z));
-  terms.rival_evidence = std::clamp(-std::log(rivals), kLeastRivalEvidence, kMostRivalEvidence);
+  terms.margin_per_hit = margin / best.ends;
+  double odds_of_rivals = 0.0;
+  for (const double one : log_odds) odds_of_rivals += std::exp(-one);
+  terms.rival_evidence =
+      std::clamp(-std::log(odds_of_rivals), kLeastRivalEvidence, kMostRivalEvidence);
   terms.unknown_share = best.unmapped;
-  terms.probability_explained = logistic(explained_logit(terms.significance));
-  terms.probability_best = logistic(margin_logit(terms.margin_per_hit, terms.unknown_share));
-  if (!rival_z.empty()) terms.probability_best *= logistic(kRivalOffset + terms.rival_evidence);
+  terms.probability_explained = logistic(kExplainedOffset + kExplainedSlope * terms.significance);
+  terms.probability_best = log_odds.empty() ? 1.0 : logistic(terms.rival_evidence);
   terms.probability_correct = terms.probability_explained * terms.probability_best;
   return terms;
-}
-
-double margin_for(const EvidenceScore& best, double free_area_m2, double probability) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  if (best.ends == 0) return kNever;
-  const double explained = logistic(explained_logit(
-      std::clamp(chance_significance(best, free_area_m2), kLeastSignificance, kMostSignificance)));
-  if (explained <= probability) return kNever;
-  const double per_hit =
-      (log_odds(probability / explained) - margin_logit(0.0, best.unmapped)) / kMarginSlope;
-  return std::max(0.0, per_hit) * best.ends;
 }
 
 }  // namespace cornerfix

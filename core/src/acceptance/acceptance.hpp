@@ -1,12 +1,11 @@
 /// \file  Whether the best pose of a search may be trusted: the calibrated probability that it is
 /// correct.
 ///
-/// Three conditions must hold, and each has its own logistic model. The pose must explain the scans
-/// by itself, better than the best of all poses in the map would by chance (an a-contrario test:
-/// Desolneux, Moisan, Morel 2000). Every other pose must explain them worse by a margin per hit.
-/// And that margin must be significant against each rival (a test of non-nested models after Vuong
-/// 1989, with blocks of the local map as independent samples). The probability is the product: a
-/// large margin over rivals does not excuse a pose that explains nothing. Coefficients:
+/// Two conditions must hold. The pose must explain the scans by itself, better than the best of all
+/// poses in the map would by chance (an a-contrario test: Desolneux, Moisan, Morel 2000). And it
+/// must explain them better than every other pose in most of the squares in which the two differ (a
+/// sign test with an unknown rate of changes). The probability is the product: a large margin over
+/// rivals does not excuse a pose that explains nothing. Derivation and calibration:
 /// docs/method/05-acceptance.md.
 #pragma once
 
@@ -18,9 +17,12 @@
 
 namespace cornerfix {
 
-/// The margin over a rival in units of its standard error: the sum of the differences of blocks,
-/// divided by the root of the sum of their squares. 0 without blocks.
-[[nodiscard]] double margin_z(const EvidenceScore& best, const EvidenceScore& rival);
+/// Logarithm of the odds that the best pose is correct and not the rival, by the blocks in which
+/// they differ [nat]. Each block that differs favours one of the poses. A block favours the wrong
+/// pose when what stands there has changed, with an unknown probability below one half, uniformly
+/// distributed. Blocks count by their effective number, as in EvidenceScore::independent_hits. 0
+/// without differences. O(blocks).
+[[nodiscard]] double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival);
 
 /// Negative logarithm of the expected number of poses that explain as many independent hits by
 /// chance [nat]. It is the independent hits times the relative entropy of the explained share,
@@ -28,15 +30,11 @@ namespace cornerfix {
 [[nodiscard]] double chance_significance(const EvidenceScore& best, double free_area_m2);
 
 /// \param margin  Log-likelihood of the best less that of the strongest rival [nat].
-/// \param rival_z  margin_z() of each rival.
+/// \param log_odds  rival_log_odds() of each rival.
 /// \param free_area_m2  Known-free space of all maps searched.
 /// Terms are clamped to the range of the calibration data where extrapolation would raise the
-/// probability.
+/// probability. Without a positive margin the probability is 0.
 [[nodiscard]] AcceptanceTerms weigh(const EvidenceScore& best, double margin,
-                                    std::span<const double> rival_z, double free_area_m2);
-
-/// The margin [nat] at which the probability reaches `probability` without rivals; infinite when no
-/// margin suffices.
-[[nodiscard]] double margin_for(const EvidenceScore& best, double free_area_m2, double probability);
+                                    std::span<const double> log_odds, double free_area_m2);
 
 }  // namespace cornerfix

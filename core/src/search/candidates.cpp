@@ -54,12 +54,12 @@ Candidate* Candidates::find(std::size_t map, const Pose2& T_map_base_link) {
 
 AcceptanceTerms Candidates::terms(double depth) const {
   double margin = margin_without_rivals(depth);
-  std::vector<double> rival_z;
+  std::vector<double> log_odds;
   for (const Candidate& rival : all().subspan(1)) {
     margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
-    rival_z.push_back(margin_z(best().score, rival.score));
+    log_odds.push_back(rival_log_odds(best().score, rival.score));
   }
-  return weigh(best().score, margin, rival_z, free_area_m2_);
+  return weigh(best().score, margin, log_odds, free_area_m2_);
 }
 
 AcceptanceTerms Candidates::terms_without_rivals(double depth) const {
@@ -75,12 +75,6 @@ bool Candidates::acceptable(const AcceptanceTerms& terms) const {
   return terms.margin_per_hit >= acceptance_.min_mean_gap &&
          terms.margin_per_hit * best().score.ends >= acceptance_.min_gap &&
          terms.probability_correct >= acceptance_.min_probability;
-}
-
-double Candidates::needed_margin(double probability) const {
-  const EvidenceScore& score = best().score;
-  return std::max({margin_for(score, free_area_m2_, probability), acceptance_.min_gap,
-                   acceptance_.min_mean_gap * score.ends});
 }
 
 Reason Candidates::missing_without_rivals() const {

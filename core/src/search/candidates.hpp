@@ -60,8 +60,6 @@ class Candidates {
   [[nodiscard]] AcceptanceTerms terms_without_rivals(double depth) const;
   /// Whether the best may be accepted.
   [[nodiscard]] bool acceptable(double depth) const { return acceptable(terms(depth)); }
-  /// Margin [nat] at which it would be if that probability were asked for.
-  [[nodiscard]] double needed_margin(double probability) const;
   /// Whether it would be if there were no other poses than those known.
   [[nodiscard]] bool may_be_accepted() const { return acceptable(kRivalMargin); }
   /// What would be missing if there were no rivals; kNone when only these stand in the way.

@@ -27,6 +27,8 @@ constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
 // In units of WorkBudget: one candidate refined and scored, one map searched by corners.
 constexpr std::size_t kWorkPerCandidate = 20'000;
 constexpr std::size_t kWorkPerCornerLook = 100'000;
+// Rivals that are searched for when a pose may be accepted, per hit [nat].
+constexpr double kDecisionMargin = 0.2;
 constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when no pose can be accepted now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
@@ -270,11 +272,11 @@ void GlobalSearch::look_by_corners(std::size_t map, const View& view, double min
 /// How far below the best candidate, per hit, a pose may lie and still matter. An endless minimum
 /// margin asks for all rivals.
 double GlobalSearch::margin_to_look_at() const {
-  constexpr double kMoreThanSure = 0.998;
   if (candidates_.empty() || std::isinf(params_.acceptance.min_gap)) return kRivalMargin;
   if (!candidates_.may_be_accepted()) return kSeedMargin;
-  return std::min(kRivalMargin, candidates_.needed_margin(kMoreThanSure) /
-                                    std::max(1, candidates_.best().score.ends));
+  const double ends = std::max(1, candidates_.best().score.ends);
+  return std::min(kRivalMargin, std::max({kDecisionMargin, params_.acceptance.min_gap / ends,
+                                          params_.acceptance.min_mean_gap}));
 }
 
 /// Maps, those with the better candidates last, where the search begins: the higher the bound, the

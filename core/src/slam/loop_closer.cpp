@@ -59,13 +59,13 @@ bool is_certain(std::span<const LoopCandidate> places, double free_area_m2) {
   const EvidenceScore& best = places.front().score;
   double margin =
       std::min(best.log_likelihood - kMinPlaceWeight * best.ends, kLoopRivalMargin * best.ends);
-  std::vector<double> rival_z;
+  std::vector<double> log_odds;
   for (const LoopCandidate& rival : places.subspan(1)) {
     margin = std::min(margin, best.log_likelihood - rival.score.log_likelihood);
-    rival_z.push_back(margin_z(best, rival.score));
+    log_odds.push_back(rival_log_odds(best, rival.score));
   }
   const AcceptanceParams acceptance;
-  const AcceptanceTerms terms = weigh(best, margin, rival_z, free_area_m2);
+  const AcceptanceTerms terms = weigh(best, margin, log_odds, free_area_m2);
   return margin >= acceptance.min_mean_gap * best.ends && margin >= acceptance.min_gap &&
          terms.probability_correct >= acceptance.min_probability;
 }

@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace cornerfix {
@@ -23,9 +21,18 @@ EvidenceScore score_with(double explained, double independent_hits = 40.0) {
   return score;
 }
 
-double probability(const EvidenceScore& best, double margin, std::vector<double> rival_z = {},
+double probability(const EvidenceScore& best, double margin, std::vector<double> log_odds = {},
                    double area = kOfficeArea) {
-  return weigh(best, margin, rival_z, area).probability_correct;
+  return weigh(best, margin, log_odds, area).probability_correct;
+}
+
+/// A pose and a rival that differ in blocks by `differences` [nat].
+double log_odds_of(std::vector<float> differences) {
+  EvidenceScore best;
+  EvidenceScore rival;
+  rival.block_llr.assign(differences.size(), 1.0F);
+  for (const float difference : differences) best.block_llr.push_back(1.0F + difference);
+  return rival_log_odds(best, rival);
 }
 
 TEST(Acceptance, APoseThatExplainsTheScansWithoutRivalsIsProbable) {
@@ -52,24 +59,23 @@ TEST(Acceptance, TheSameFitMeansLessInALargerMap) {
   EXPECT_LT(probability(score, 100.0, {}, 1e6), probability(score, 100.0, {}, 1e3));
 }
 
-TEST(Acceptance, ProbabilityGrowsWithTheMargin) {
-  double last = probability(score_with(0.9), 0.0);
-  for (double margin = 5.0; margin <= 150.0; margin += 5.0) {
-    const double p = probability(score_with(0.9), margin, {1.0});
-    EXPECT_GT(p, last) << margin;
+TEST(Acceptance, ProbabilityGrowsWithTheOddsAgainstARival) {
+  double last = 0.0;
+  for (double log_odds = -2.0; log_odds <= 10.0; log_odds += 1.0) {
+    const double p = probability(score_with(0.9), 30.0, {log_odds});
+    EXPECT_GT(p, last) << log_odds;
     last = p;
   }
 }
 
-TEST(Acceptance, ManyRivalsAreWorseThanOne) {
-  const EvidenceScore score = score_with(0.9);
-  EXPECT_LT(probability(score, 30.0, std::vector<double>(10, 2.0)),
-            probability(score, 30.0, {2.0}));
+TEST(Acceptance, EvenOddsAreNoMoreThanOneHalf) {
+  EXPECT_LE(probability(score_with(0.95), 100.0, {0.0}), 0.5);
 }
 
-TEST(Acceptance, AMarginBeyondTheCalibrationDataAddsNothing) {
+TEST(Acceptance, ManyRivalsAreWorseThanOne) {
   const EvidenceScore score = score_with(0.9);
-  EXPECT_EQ(probability(score, 0.75 * 200), probability(score, 5.0 * 200));
+  EXPECT_LT(probability(score, 30.0, std::vector<double>(10, 6.0)),
+            probability(score, 30.0, {6.0}));
 }
 
 TEST(Acceptance, WithoutMarginOrEvidenceNothingIsProbable) {
@@ -78,30 +84,39 @@ TEST(Acceptance, WithoutMarginOrEvidenceNothingIsProbable) {
   EXPECT_EQ(probability({}, 100.0), 0.0);
 }
 
-TEST(Acceptance, TheMarginForAProbabilityIsLargerForALargerOne) {
-  const EvidenceScore score = score_with(0.9);
-  EXPECT_LT(margin_for(score, kOfficeArea, 0.9), margin_for(score, kOfficeArea, 0.99));
+TEST(RivalLogOdds, AreThoseOfASignTestWithAnUnknownRateOfChanges) {
+  // P(q < 1/2) after n equal blocks for the best is 1 - 2^-(n + 1).
+  for (const int n : {1, 4, 8})
+    EXPECT_NEAR(log_odds_of(std::vector<float>(static_cast<std::size_t>(n), 2.0F)),
+                std::log(std::exp2(n + 1) - 1.0), 1e-6);
 }
 
-TEST(Acceptance, NoMarginSufficesForAPoseThatExplainsLittle) {
-  EXPECT_EQ(margin_for(score_with(0.2), kOfficeArea, 0.9), std::numeric_limits<double>::infinity());
+TEST(RivalLogOdds, BlocksThatFavourTheRivalLowerThem) {
+  const double agreeing = log_odds_of({2.0F, 2.0F, 2.0F, 2.0F, 2.0F, 2.0F});
+  const double divided = log_odds_of({2.0F, 2.0F, 2.0F, 2.0F, -2.0F, -2.0F});
+  EXPECT_LT(divided, 0.5 * agreeing);
+  EXPECT_GT(divided, 0.0);
+  EXPECT_NEAR(log_odds_of({2.0F, -2.0F}), 0.0, 1e-9);
 }
 
-TEST(MarginZ, IsTheSumOfBlocksInUnitsOfItsStandardError) {
-  EvidenceScore best;
-  EvidenceScore rival;
-  best.block_llr = {1.0F, 1.0F, 1.0F, 1.0F};
-  rival.block_llr = {0.0F, 0.0F, 0.0F, 0.0F};
-  EXPECT_DOUBLE_EQ(margin_z(best, rival), 2.0);  // 4 / sqrt(4)
+TEST(RivalLogOdds, AreAntisymmetric) {
+  EXPECT_NEAR(log_odds_of({3.0F, 1.0F, -1.0F}), -log_odds_of({-3.0F, -1.0F, 1.0F}), 1e-9);
 }
 
-TEST(MarginZ, BlocksThatDisagreeLowerIt) {
-  EvidenceScore best;
-  EvidenceScore rival;
-  best.block_llr = {5.0F, -4.0F, 5.0F, -4.0F};
-  rival.block_llr = {0.0F, 0.0F, 0.0F, 0.0F};
-  EXPECT_LT(margin_z(best, rival), 0.5);
-  EXPECT_EQ(margin_z(best, best), 0.0);
+TEST(RivalLogOdds, OneLargeDifferenceIsOneObservation) {
+  EXPECT_NEAR(log_odds_of({100.0F, 0.0F, 0.0F}), std::log(3.0), 1e-6);
+  EXPECT_GT(log_odds_of(std::vector<float>(20, 0.5F)), 10.0);
+}
+
+TEST(RivalLogOdds, AreZeroWithoutDifferences) {
+  EXPECT_EQ(log_odds_of({}), 0.0);
+  EXPECT_EQ(log_odds_of({0.0F, 0.0F}), 0.0);
+}
+
+TEST(RivalLogOdds, AreFiniteForThousandsOfBlocks) {
+  const double large = log_odds_of(std::vector<float>(3600, 1.0F));
+  EXPECT_TRUE(std::isfinite(large));
+  EXPECT_GT(large, 100.0);
 }
 
 }  // namespace

@@ -71,14 +71,6 @@ TEST(Candidates, AShallowSearchLeavesNoMargin) {
   EXPECT_FALSE(candidates.acceptable(0.0));
 }
 
-TEST(Candidates, TheNeededMarginIsEnough) {
-  const Candidates candidates = considered({kTruth});
-  const double needed = candidates.needed_margin(0.995);
-  const double per_hit = needed / candidates.best().score.ends;
-  EXPECT_FALSE(candidates.acceptable(0.9 * per_hit));
-  EXPECT_TRUE(candidates.acceptable(1.1 * per_hit));
-}
-
 TEST(Candidates, AnAliasedPoseForbidsAcceptance) {
   const LocalizationMapPtr map =
       testing::mapped_floor(testing::equal_rooms(), {{3.0, 2.5}, {23.0, 2.5}}, {27.0, 5.0});
