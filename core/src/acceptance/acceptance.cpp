@@ -27,8 +27,8 @@ constexpr double kExplainedSlope = 0.8;
 
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
-/// Probability that a rate of changes is below one half, of which `changed` and `unchanged` blocks
-/// are known. The rate is uniformly distributed beforehand.
+/// Probability that the rate of changes is below one half when `changed` blocks changed and
+/// `unchanged` blocks did not. The prior is uniform.
 double probability_below_half(double changed, double unchanged) {
   const Eigen::Array<double, 1, 1> a(changed + 1.0);
   const Eigen::Array<double, 1, 1> b(unchanged + 1.0);
