@@ -46,6 +46,23 @@ TEST_F(SessionsApiTest, OpensNoneOnAnUnknownMap) {
   EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
 }
 
+TEST_F(SessionsApiTest, RefusesAnglesThatNoLidarHas) {
+  for (const char* member : {"angle_min", "angle_increment"}) {
+    Json request = testing::session_request("cart-7", "office");
+    request["lidar"][member] = 1e308;
+    const Reply reply = client_.post("/v1/sessions", request);
+    EXPECT_EQ(reply.status, 422) << reply.body;
+    EXPECT_EQ(reply.json()["errors"][0]["pointer"], std::string("/lidar/") + member);
+  }
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Json batch = testing::session_batch(drive_, 0);
+  batch["scans"][0]["angle_increment"] = 1e308;
+  const Reply reply = post(id, batch);
+  EXPECT_EQ(reply.status, 422) << reply.body;
+  EXPECT_EQ(reply.json()["errors"][0]["pointer"], "/scans/0/angle_increment");
+  EXPECT_EQ(post(id, 0).status, 200);
+}
+
 TEST_F(SessionsApiTest, FindsTheRobot) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   Json answer;

@@ -10,10 +10,13 @@ std::optional<Error> validate(const LaserScan& scan) {
     return Error{ErrorCode::kInvalidArgument, message, field};
   };
   if (!std::isfinite(scan.stamp)) return broken("stamp", "must be a finite number of seconds");
-  if (!std::isfinite(scan.angle_min))
-    return broken("angle_min", "must be a finite angle in radians");
-  if (!std::isfinite(scan.angle_increment) || scan.angle_increment == 0.0) {
-    return broken("angle_increment", "must be a finite angle in radians, not zero");
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr double kFarthestBearing = 1e6;  // [rad]; beyond it a beam's bearing loses its digits
+  if (!(std::abs(scan.angle_min) <= kFarthestBearing))
+    return broken("angle_min", "must be a finite angle in radians, at most 1e6 to either side");
+  if (!(std::abs(scan.angle_increment) <= kTurn) || scan.angle_increment == 0.0) {
+    return broken("angle_increment",
+                  "must be a finite angle in radians, not zero, at most a full turn");
   }
   if (!std::isfinite(scan.range_min) || scan.range_min < 0.0) {
     return broken("range_min", "must be a finite length in metres, not negative");
@@ -21,7 +24,6 @@ std::optional<Error> validate(const LaserScan& scan) {
   if (!(scan.range_max > scan.range_min)) {
     return broken("range_max", "must be a length in metres above range_min, or infinite");
   }
-  constexpr double kTurn = 2.0 * std::numbers::pi;
   // One beam's width of slack: some drivers repeat the first bearing as the last.
   const double field_of_view =
       std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
