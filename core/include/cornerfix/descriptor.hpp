@@ -55,7 +55,7 @@ struct DescriptorSet {
 [[nodiscard]] std::optional<Error> validate(const DescriptorParams& params);
 
 /// Algorithm 2. `params` must pass validate(). Time and memory are proportional to the pairs of
-/// features within max_distance_m of each other; nothing is compared to sort them.
+/// features within max_distance_m, which is halved in the result until they are below 3e7.
 [[nodiscard]] DescriptorSet describe(std::span<const Feature> features,
                                      const DescriptorParams& params);
 

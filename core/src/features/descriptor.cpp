@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace cornerfix {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 constexpr double kFullTurn = 2.0 * std::numbers::pi;
 constexpr double kMaxBins = std::numeric_limits<std::uint16_t>::max();
 constexpr double kMaxAngleBins = 4096.0;
+// Of one set: about 0.5 GB. 15,000 features at 0.5 features/m2 stay below.
+constexpr double kMaxEntries = 6e7;
 
 /// Two features within reach of each other; the bearing is that from each to the other.
 struct NearPair {
@@ -72,6 +75,47 @@ std::vector<NearPair> near_pairs(std::span<const Feature> features, const Descri
   return pairs;
 }
 
+/// Features by squares of `side_m`, and for each one those of its own and the eight squares about:
+/// no fewer than the entries of describe() where max_distance_m is `side_m`.
+double most_entries(std::span<const Feature> features, double side_m) {
+  using Square = std::pair<std::int64_t, std::int64_t>;
+  const auto index = [&](double coordinate) {
+    return static_cast<std::int64_t>(std::floor(coordinate / side_m));
+  };
+  std::vector<Square> squares;
+  squares.reserve(features.size());
+  for (const Feature& feature : features)
+    squares.emplace_back(index(feature.position.x()), index(feature.position.y()));
+  std::ranges::sort(squares);
+  double entries = 0.0;
+  for (auto begin = squares.begin(); begin != squares.end();) {
+    const auto end = std::upper_bound(begin, squares.end(), *begin);
+    std::ptrdiff_t near = 0;
+    for (const int column : {-1, 0, 1}) {
+      // Squares of a column follow each other.
+      const Square first{begin->first + column, begin->second - 1};
+      const Square last{begin->first + column, begin->second + 1};
+      near += std::ranges::upper_bound(squares, last) - std::ranges::lower_bound(squares, first);
+    }
+    entries += static_cast<double>(end - begin) * static_cast<double>(near);
+    begin = end;
+  }
+  return entries;
+}
+
+/// The wanted distance, or a shorter one that keeps the entries within kMaxEntries.
+double affordable_distance(std::span<const Feature> features, double wanted_m) {
+  constexpr int kMostHalvings = 30;
+  const auto count = static_cast<double>(features.size());
+  if (count * count <= kMaxEntries) return wanted_m;
+  double distance_m = wanted_m;
+  for (int i = 0; i < kMostHalvings; ++i) {
+    if (most_entries(features, distance_m) <= kMaxEntries) break;
+    distance_m *= 0.5;
+  }
+  return distance_m;
+}
+
 /// Turns counts into begins, in place.
 template <typename Integer>
 void to_offsets(std::vector<Integer>& counts) {
@@ -120,8 +164,9 @@ DescriptorSet describe(std::span<const Feature> features, const DescriptorParams
   assert(!validate(params) && "params must pass validate()");
   DescriptorSet set;
   set.params = params;
+  set.params.max_distance_m = affordable_distance(features, params.max_distance_m);
   const std::vector<NearPair> pairs =
-      sorted_by_distance(near_pairs(features, params, set.angle_bins()));
+      sorted_by_distance(near_pairs(features, set.params, set.angle_bins()));
   set.offsets.assign(features.size() + 1, 0);
   for (const NearPair& pair : pairs) {
     ++set.offsets[pair.first];
