@@ -187,5 +187,19 @@ TEST_F(GridApiTest, AnArchiveIsNotRestoredOverAMapNorFromOtherBytes) {
   EXPECT_EQ(client_.get("/v1/maps/copy/archive").status, 404);
 }
 
+TEST_F(GridApiTest, RefusesNoise) {
+  constexpr std::size_t kSide = 600;
+  std::string image = "P5 600 600 255\n";
+  for (std::size_t row = 0; row < kSide; ++row) {
+    for (std::size_t column = 0; column < kSide; ++column)
+      image += row % 8 == 0 && column % 8 == 0 ? '\0' : '\xfe';
+  }
+  const std::string yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  const Reply reply = client_.send("PUT", "/v1/maps/noise/grid", form(yaml, image), kForm);
+  EXPECT_EQ(reply.status, 422) << reply.body;
+  EXPECT_THAT(reply.json()["detail"].get<std::string>(), HasSubstr("is this noise?"));
+  EXPECT_EQ(client_.get("/v1/maps/noise").status, 404);
+}
+
 }  // namespace
 }  // namespace cornerfix

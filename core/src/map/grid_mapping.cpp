@@ -1,8 +1,13 @@
 #include <cornerfix/mapper.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "core/src/base/in_parallel.hpp"
@@ -13,8 +18,12 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kLattice = 1.0;              // [m]
-constexpr double kViewpointClearance = 0.25;  // [m]
+constexpr double kLattice = 1.0;                // [m]
+constexpr double kViewpointClearance = 0.25;    // [m]
+constexpr std::size_t kMaxViewpoints = 40'000;  // 1 to 5 ms of processor time each
+// Pieces of wall in an occupancy map that is noise: more than any building has.
+constexpr std::int64_t kManyPieces = 5'000;
+constexpr double kPiecesOfNoise = 2.0;  // [1/m^2] of free space
 // Walls in cells are stairs; what they differ by from straight ones counts as noise of the ranges.
 constexpr double kNoisePerCell = 0.3;
 constexpr double kThickWall = 0.15;  // [m], and so many cells
@@ -23,6 +32,54 @@ constexpr double kCoarseCell = 0.15;  // [m]
 
 bool has_cell(const OccupancyGrid& grid, Cell cell) {
   return std::find(grid.cells.begin(), grid.cells.end(), cell) != grid.cells.end();
+}
+
+/// Pieces of wall that are not connected, less the holes in them: by the Euler number of the
+/// occupied cells (Gray 1971), from counts of all 2 x 2 cells.
+std::int64_t wall_pieces(const OccupancyGrid& grid) {
+  std::int64_t sum = 0;
+  for (int row = -1; row < grid.height; ++row) {
+    for (int column = -1; column < grid.width; ++column) {
+      const auto is_wall = [&](int columns_off, int rows_off) {
+        return grid.at({column + columns_off, row + rows_off}) == Cell::kOccupied;
+      };
+      const std::array<bool, 4> walls{is_wall(0, 0), is_wall(1, 0), is_wall(0, 1), is_wall(1, 1)};
+      const auto count = std::ranges::count(walls, true);
+      const bool is_diagonal = count == 2 && walls[0] == walls[3];
+      if (count == 1) ++sum;
+      if (count == 3) --sum;
+      if (is_diagonal) sum -= 2;
+    }
+  }
+  return sum / 4;
+}
+
+std::optional<Error> check_no_noise(const OccupancyGrid& grid) {
+  const auto free_cells = static_cast<double>(std::ranges::count(grid.cells, Cell::kFree));
+  const double free_area_m2 = free_cells * grid.resolution * grid.resolution;
+  const std::int64_t pieces = wall_pieces(grid);
+  const bool is_noise =
+      pieces > kManyPieces && static_cast<double>(pieces) > kPiecesOfNoise * free_area_m2;
+  if (!is_noise) return std::nullopt;
+  return Error{ErrorCode::kInvalidArgument,
+               "the walls are " + std::to_string(pieces) + " separate pieces in " +
+                   std::to_string(static_cast<std::int64_t>(free_area_m2)) +
+                   " m^2 of free space, expected at most 2 per m^2: is this noise? Check "
+                   "resolution and thresholds",
+               "image"};
+}
+
+/// One to a square of the lattice, which is wider in the largest maps.
+std::vector<Point2> viewpoints_in(const OccupancyGrid& floor_map, const SimulatedLidar& lidar) {
+  constexpr double kMostSquares = 10.0 * kMaxViewpoints;  // most without free space
+  const double area_m2 =
+      static_cast<double>(floor_map.cells.size()) * floor_map.resolution * floor_map.resolution;
+  const double lattice_m = std::max(kLattice, std::sqrt(area_m2 / kMostSquares));
+  std::vector<Point2> viewpoints = lidar.viewpoints(lattice_m, kViewpointClearance);
+  if (viewpoints.size() <= kMaxViewpoints) return viewpoints;
+  const double surplus =
+      static_cast<double>(viewpoints.size()) / static_cast<double>(kMaxViewpoints);
+  return lidar.viewpoints(lattice_m * std::sqrt(surplus), kViewpointClearance);
 }
 
 std::vector<Feature> features_of(const SimulatedLidar& lidar, std::span<const Point2> viewpoints,
@@ -74,6 +131,7 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
   if (!has_cell(floor_map, Cell::kOccupied)) {
     return Error{ErrorCode::kInvalidArgument, "the floor map has no occupied cell", "image"};
   }
+  if (auto error = check_no_noise(floor_map)) return *error;
   const OccupancyGrid clear = without_grey_rims(floor_map);
   Result<WallSurfaces> surfaces =
       find_wall_surfaces(clear, params.grid.resolution_m, Mapper::kMaxCells);
@@ -81,7 +139,7 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
   GridMap map;
   map.warnings = warnings_for(floor_map, *surfaces);
   const SimulatedLidar lidar(clear);
-  const std::vector<Point2> viewpoints = lidar.viewpoints(kLattice, kViewpointClearance);
+  const std::vector<Point2> viewpoints = viewpoints_in(clear, lidar);
   if (viewpoints.empty()) {
     map.warnings.push_back(
         "nowhere in the free space has a robot room to move about: the map is without features. "

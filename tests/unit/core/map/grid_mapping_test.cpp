@@ -146,6 +146,27 @@ TEST(GridMapping, MapsWithoutFreeSpaceOrWallsAreRefused) {
   EXPECT_THAT(map_from_grid(floor_map, {}).error().message, HasSubstr("no occupied cell"));
 }
 
+/// Free, with an occupied cell at each corner of squares of `spacing` cells.
+OccupancyGrid pillars(int side, int spacing) {
+  OccupancyGrid grid{
+      .resolution = 0.05, .T_map_grid = {}, .width = side, .height = side, .cells = {}};
+  grid.cells.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), Cell::kFree);
+  for (int row = 0; row < side; row += spacing) {
+    for (int column = 0; column < side; column += spacing)
+      grid.cells[grid.offset({column, row})] = Cell::kOccupied;
+  }
+  return grid;
+}
+
+TEST(GridMapping, NoiseIsRefused) {
+  const auto refused = map_from_grid(pillars(600, 8), {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "image");
+  EXPECT_THAT(refused.error().message, HasSubstr("5625 separate pieces"));
+}
+
+TEST(GridMapping, PillarsOfAHallAreNoNoise) { EXPECT_TRUE(map_from_grid(pillars(300, 100), {})); }
+
 TEST(GridMapping, ASingleCellIsNoMap) {
   OccupancyGrid floor_map = testing::unknown_grid({}, {0.05, 0.05}, 0.05);
   for (const Cell cell : {Cell::kFree, Cell::kOccupied, Cell::kUnknown}) {
