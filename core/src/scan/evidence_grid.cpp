@@ -24,7 +24,25 @@ EvidenceGrid::EvidenceGrid(const Point2& center, EvidenceGridParams params)
       center_(center),
       corner_(center.array() - 0.5 * params.extent_m),
       size_(static_cast<int>(std::ceil(params.extent_m / params.resolution_m))),
-      cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_)) {}
+      tiles_per_row_((size_ + kTile - 1) / kTile),
+      tile_numbers_(static_cast<std::size_t>(tiles_per_row_) *
+                    static_cast<std::size_t>(tiles_per_row_)) {
+  assert(tile_numbers_.size() < 65'536 && "tile numbers fit 16 bits");
+}
+
+EvidenceGrid::CellCounts& EvidenceGrid::cell(int column, int row) {
+  std::uint16_t& number = tile_numbers_[tile_of(column, row)];
+  if (number == 0) {
+    tiles_.emplace_back();
+    number = static_cast<std::uint16_t>(tiles_.size());
+  }
+  return tiles_[number - 1U][place_in_tile(column, row)];
+}
+
+const EvidenceGrid::CellCounts& EvidenceGrid::known_cell(int column, int row) const {
+  const std::uint16_t number = tile_numbers_[tile_of(column, row)];
+  return tiles_[number - 1U][place_in_tile(column, row)];
+}
 
 void EvidenceGrid::add(const LaserScan& scan, const Pose2& T_submap_laser) {
   count(scan, T_submap_laser, 1);
@@ -34,9 +52,9 @@ void EvidenceGrid::remove(const LaserScan& scan, const Pose2& T_submap_laser) {
   count(scan, T_submap_laser, -1);
   // A cell that is listed and empty would be listed again when it is next counted in.
   std::erase_if(touched_, [this](std::uint32_t index) {
-    CellCounts& cell = cells_[index];
-    if (cell.ends != 0 || cell.passes != 0) return false;
-    cell = {};
+    CellCounts& counts = cell(static_cast<int>(index) % size_, static_cast<int>(index) / size_);
+    if (counts.ends != 0 || counts.passes != 0) return false;
+    counts = {};
     return true;
   });
 }
@@ -48,10 +66,10 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
     const int column = static_cast<int>(std::floor(p.x()));
     const int row = static_cast<int>(std::floor(p.y()));
     if (column < 0 || row < 0 || column >= size_ || row >= size_) return nullptr;
-    const auto index = static_cast<std::uint32_t>(row * size_ + column);
-    CellCounts& cell = cells_[index];
-    if (cell.ends == 0 && cell.passes == 0) touched_.push_back(index);
-    return &cell;
+    CellCounts& counts = cell(column, row);
+    if (counts.ends == 0 && counts.passes == 0)
+      touched_.push_back(static_cast<std::uint32_t>(row * size_ + column));
+    return &counts;
   };
   double last_bearing = -1e9;
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
@@ -64,22 +82,20 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
                            std::sin(T_submap_laser.yaw + bearing)};
     if (range <= params_.max_range_m) {
       const Point2 end = start + (range * scale) * direction;
-      if (CellCounts* cell = cell_at(end)) {
-        cell->ends += sign;
-        cell->sum_x += static_cast<float>(sign) * static_cast<float>(end.x() - std::floor(end.x()));
-        cell->sum_y += static_cast<float>(sign) * static_cast<float>(end.y() - std::floor(end.y()));
+      if (CellCounts* hit = cell_at(end)) {
+        hit->ends += sign;
+        hit->sum_x += static_cast<float>(sign) * static_cast<float>(end.x() - std::floor(end.x()));
+        hit->sum_y += static_cast<float>(sign) * static_cast<float>(end.y() - std::floor(end.y()));
         if (sign > 0) {
-          cell->origin_x = static_cast<float>(T_submap_laser.x);
-          cell->origin_y = static_cast<float>(T_submap_laser.y);
+          hit->origin_x = static_cast<float>(T_submap_laser.x);
+          hit->origin_y = static_cast<float>(T_submap_laser.y);
         }
       }
     }
     // A beam that ends in a wall did not pass its surface.
     const double passed = std::min(range * scale - 1.5, params_.max_range_m * scale);
     for (double along = 0.5; along < passed; along += 1.0) {
-      if (CellCounts* cell = cell_at(start + along * direction)) {
-        cell->passes += sign;
-      }
+      if (CellCounts* passed_cell = cell_at(start + along * direction)) passed_cell->passes += sign;
     }
   }
 }
@@ -98,9 +114,9 @@ Evidence EvidenceGrid::collect() const {
     return static_cast<std::uint16_t>(id - 1);
   };
   for (const std::uint32_t index : touched_) {
-    const CellCounts& cell = cells_[index];
     const auto column = static_cast<int>(index) % size_;
     const auto row = static_cast<int>(index) / size_;
+    const CellCounts& cell = known_cell(column, row);
     const Point2 corner = corner_ + params_.resolution_m * Point2{column, row};
     if (cell.ends > 0) {
       if (cell.passes > 2 * cell.ends) continue;

@@ -5,7 +5,10 @@
 /// (docs/method/03-local-map.md, section 3.3).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include <cornerfix/laser_scan.hpp>
@@ -39,6 +42,7 @@ struct Evidence {
 };
 
 /// Adds and removes whole scans; a removed scan leaves no trace. Value type; not synchronised.
+/// Memory for what scans touched only: a robot sees a small part of the square.
 class EvidenceGrid {
  public:
   explicit EvidenceGrid(const Point2& center = Point2::Zero(), EvidenceGridParams params = {});
@@ -60,13 +64,29 @@ class EvidenceGrid {
     float origin_x = 0.0F;  ///< Of the last beam that ended here [m].
     float origin_y = 0.0F;
   };
+  static constexpr int kTile = 4;  ///< Cells to a side of what is allocated at once.
+  using Tile = std::array<CellCounts, static_cast<std::size_t>(kTile) * kTile>;
+
   void count(const LaserScan& scan, const Pose2& T_submap_laser, int sign);
+  /// Allocates the cell's tile if need be.
+  [[nodiscard]] CellCounts& cell(int column, int row);
+  /// One that was counted in before.
+  [[nodiscard]] const CellCounts& known_cell(int column, int row) const;
+  [[nodiscard]] std::size_t tile_of(int column, int row) const {
+    return static_cast<std::size_t>(row / kTile) * static_cast<std::size_t>(tiles_per_row_) +
+           static_cast<std::size_t>(column / kTile);
+  }
+  [[nodiscard]] static std::size_t place_in_tile(int column, int row) {
+    return static_cast<std::size_t>(row % kTile * kTile + column % kTile);
+  }
 
   EvidenceGridParams params_;
   Point2 center_;
   Point2 corner_;
   int size_;
-  std::vector<CellCounts> cells_;
+  int tiles_per_row_;
+  std::vector<std::uint16_t> tile_numbers_;  ///< By place: 1 + index in tiles_, or 0.
+  std::deque<Tile> tiles_;
   std::vector<std::uint32_t> touched_;  ///< Cells with counts, each once.
 };
 
