@@ -43,28 +43,4 @@ void DistanceField::stamp(const Point2& point_grid, double radius_m) {
   }
 }
 
-DistanceField::Sample DistanceField::sample(const Point2& point_grid) const {
-  const double x = point_grid.x() * inverse_resolution_ - 0.5;
-  const double y = point_grid.y() * inverse_resolution_ - 0.5;
-  if (x < 0.0 || y < 0.0 || x >= width_ - 1 || y >= height_ - 1) return {};
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const double fx = x - column;
-  const double fy = y - row;
-  const std::uint8_t* lower = &steps_[index(column, row)];
-  const std::uint8_t* upper = lower + width_;
-  const double d00 = lower[0];
-  const double d10 = lower[1];
-  const double d01 = upper[0];
-  const double d11 = upper[1];
-  const double bottom = d00 + fx * (d10 - d00);
-  const double top = d01 + fx * (d11 - d01);
-  Sample sample;
-  sample.distance = kStep * (bottom + fy * (top - bottom));
-  sample.gradient.x() =
-      kStep * inverse_resolution_ * ((d10 - d00) + fy * ((d11 - d01) - (d10 - d00)));
-  sample.gradient.y() = kStep * inverse_resolution_ * (top - bottom);
-  return sample;
-}
-
 }  // namespace cornerfix

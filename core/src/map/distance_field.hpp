@@ -34,6 +34,8 @@ class DistanceField {
   };
   /// Bilinear between cell centres; kMaxDistance outside.
   [[nodiscard]] Sample sample(const Point2& point_grid) const;
+  /// The distance of sample() alone.
+  [[nodiscard]] double distance(const Point2& point_grid) const;
   /// At the nearest cell centre; kMaxDistance outside.
   [[nodiscard]] double nearest(const Point2& point_grid) const {
     const double x = point_grid.x() * inverse_resolution_;
@@ -52,6 +54,13 @@ class DistanceField {
   [[nodiscard]] std::span<const std::uint8_t> steps() const { return steps_; }
 
  private:
+  /// The four cell centres about a point, and where it lies between them.
+  struct Corners {
+    double d00, d10, d01, d11;  ///< By column and row, in units of kStep.
+    double fx, fy;
+  };
+  /// False outside.
+  [[nodiscard]] bool corners_of(const Point2& point_grid, Corners& corners) const;
   [[nodiscard]] std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(column);
@@ -64,5 +73,43 @@ class DistanceField {
   int height_ = 0;
   std::vector<std::uint8_t> steps_;
 };
+
+// In the header, because matching a scan asks for some thousand samples.
+
+inline bool DistanceField::corners_of(const Point2& point_grid, Corners& corners) const {
+  const double x = point_grid.x() * inverse_resolution_ - 0.5;
+  const double y = point_grid.y() * inverse_resolution_ - 0.5;
+  if (x < 0.0 || y < 0.0 || x >= width_ - 1 || y >= height_ - 1) return false;
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  const std::uint8_t* lower = &steps_[index(column, row)];
+  const std::uint8_t* upper = lower + width_;
+  corners = {static_cast<double>(lower[0]),
+             static_cast<double>(lower[1]),
+             static_cast<double>(upper[0]),
+             static_cast<double>(upper[1]),
+             x - column,
+             y - row};
+  return true;
+}
+
+inline double DistanceField::distance(const Point2& point_grid) const {
+  Corners at;
+  if (!corners_of(point_grid, at)) return kMaxDistance;
+  const double bottom = at.d00 + at.fx * (at.d10 - at.d00);
+  const double top = at.d01 + at.fx * (at.d11 - at.d01);
+  return kStep * (bottom + at.fy * (top - bottom));
+}
+
+inline DistanceField::Sample DistanceField::sample(const Point2& point_grid) const {
+  Corners at;
+  if (!corners_of(point_grid, at)) return {};
+  const double bottom = at.d00 + at.fx * (at.d10 - at.d00);
+  const double top = at.d01 + at.fx * (at.d11 - at.d01);
+  const double slope = at.d10 - at.d00;
+  const double scale = kStep * inverse_resolution_;
+  return {kStep * (bottom + at.fy * (top - bottom)),
+          {scale * (slope + at.fy * ((at.d11 - at.d01) - slope)), scale * (top - bottom)}};
+}
 
 }  // namespace cornerfix

@@ -7,41 +7,69 @@ namespace cornerfix {
 namespace {
 
 struct NormalEquations {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< Lower triangle.
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  std::size_t inliers = 0;
+};
+
+/// Turns and shifts points as base_link at T does.
+class Placed {
+ public:
+  explicit Placed(const Pose2& T) : T_(T), c_(std::cos(T.yaw)), s_(std::sin(T.yaw)) {}
+  [[nodiscard]] Point2 turned(const Point2& p) const {
+    return {c_ * p.x() - s_ * p.y(), s_ * p.x() + c_ * p.y()};
+  }
+  [[nodiscard]] Point2 shifted(const Point2& p) const { return {T_.x + p.x(), T_.y + p.y()}; }
+
+ private:
+  Pose2 T_;
+  double c_;
+  double s_;
 };
 
 /// Sums J^T w J and J^T w d over the points; T is base_link in frame `grid`.
 NormalEquations linearize(const DistanceField& field, std::span<const Point2> points,
                           const Pose2& T, const ScanRefinerParams& params) {
-  const double c = std::cos(T.yaw);
-  const double s = std::sin(T.yaw);
+  const Placed placed(T);
   const double kernel2 = params.kernel_m * params.kernel_m;
   const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
   NormalEquations sum;
   for (const Point2& p : points) {
-    const Point2 turned{c * p.x() - s * p.y(), s * p.x() + c * p.y()};
-    const DistanceField::Sample sample = field.sample({T.x + turned.x(), T.y + turned.y()});
+    const Point2 turned = placed.turned(p);
+    const DistanceField::Sample sample = field.sample(placed.shifted(turned));
     const double d2 = sample.distance * sample.distance;
     if (d2 > 16.0 * kernel2) continue;  // its weight is under 1/289
-    if (d2 <= kernel2) ++sum.inliers;
     const double root = kernel2 / (kernel2 + d2);
     const double weight = root * root * point_information;
     const double gx = sample.gradient.x();
     const double gy = sample.gradient.y();
     const Eigen::Vector3d jacobian{gx, gy, gy * turned.x() - gx * turned.y()};
-    sum.information.noalias() += weight * jacobian * jacobian.transpose();
+    const Eigen::Vector3d weighted = weight * jacobian;
+    for (Eigen::Index column = 0; column < 3; ++column) {
+      for (Eigen::Index row = column; row < 3; ++row)
+        sum.information(row, column) += weighted[row] * jacobian[column];
+    }
     sum.gradient.noalias() += (weight * sample.distance) * jacobian;
   }
   return sum;
+}
+
+/// Share of the points within the kernel of a wall.
+double inlier_share(const DistanceField& field, std::span<const Point2> points, const Pose2& T,
+                    double kernel_m) {
+  const Placed placed(T);
+  std::size_t inliers = 0;
+  for (const Point2& p : points) {
+    const double distance = field.distance(placed.shifted(placed.turned(p)));
+    inliers += distance * distance <= kernel_m * kernel_m ? 1U : 0U;
+  }
+  return static_cast<double>(inliers) / static_cast<double>(points.size());
 }
 
 /// The slope of the field over a few cells, which the cells' edges do not disturb.
 Point2 smooth_gradient(const DistanceField& field, const Point2& point_grid) {
   constexpr double kReach = 0.1;
   const auto distance = [&](double dx, double dy) {
-    return field.sample(point_grid + Point2{dx, dy}).distance;
+    return field.distance(point_grid + Point2{dx, dy});
   };
   return Point2{distance(kReach, 0.0) - distance(-kReach, 0.0),
                 distance(0.0, kReach) - distance(0.0, -kReach)} /
@@ -93,10 +121,8 @@ RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> poin
     T = {T.x + step.x(), T.y + step.y(), wrap_angle(T.yaw + step.z())};
     if (std::abs(step.x()) + std::abs(step.y()) < 5e-4 && std::abs(step.z()) < 2e-4) break;
   }
-  const NormalEquations at_end = linearize(field, points_base_link, T, params);
   result.T_frame_base_link = T_frame_grid * T;
-  result.inlier_share =
-      static_cast<double>(at_end.inliers) / static_cast<double>(points_base_link.size());
+  result.inlier_share = inlier_share(field, points_base_link, T, params.kernel_m);
   return result;
 }
 
@@ -108,18 +134,17 @@ Eigen::Matrix3d observed_information(const DistanceField& field,
                                      const ScanRefinerParams& params) {
   constexpr double kBefore = 0.25;
   const Pose2 T = field.T_grid_frame() * T_frame_base_link;
-  const double c = std::cos(T.yaw);
-  const double s = std::sin(T.yaw);
+  const Placed placed(T);
   const double kernel2 = params.kernel_m * params.kernel_m;
   const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   for (const Point2& p : points_base_link) {
-    const Point2 turned_point{c * p.x() - s * p.y(), s * p.x() + c * p.y()};
-    const double distance = field.sample({T.x + turned_point.x(), T.y + turned_point.y()}).distance;
+    const Point2 turned_point = placed.turned(p);
+    const double distance = field.distance(placed.shifted(turned_point));
     if (distance > 2.0 * params.kernel_m) continue;
     const Point2 before =
         turned_point * std::max(0.0, 1.0 - kBefore / std::max(turned_point.norm(), kBefore));
-    Point2 normal = smooth_gradient(field, {T.x + before.x(), T.y + before.y()});
+    Point2 normal = smooth_gradient(field, placed.shifted(before));
     if (normal.squaredNorm() > 1.0) normal.normalize();
     const double root = kernel2 / (kernel2 + distance * distance);
     const Eigen::Vector3d jacobian{normal.x(), normal.y(),
