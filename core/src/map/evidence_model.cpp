@@ -102,31 +102,58 @@ ClassField::ClassField(const OccupancyGrid& grid, const DistanceField& field)
   }
 }
 
-bool ClassField::is_crossed(const Point2& from_cells, const Point2& to_cells) const {
+void ClassField::step(Walk& walk) const {
   constexpr double kClear = 0.20;
-  const double length = (to_cells - from_cells).norm();
-  const Point2 direction = (to_cells - from_cells) / std::max(length, 1e-9);
-  bool crossed = false;
-  for (double along = 0.0; along < length;) {
-    const Point2 p = from_cells + along * direction;
-    const auto column = static_cast<int>(std::floor(p.x()));
-    const auto row = static_cast<int>(std::floor(p.y()));
-    const std::uint8_t here = at(column, row);
-    if (crossed && kClassClearance[here & 15U] >= kClear) return true;
-    crossed = crossed || (here >> 4U) == static_cast<std::size_t>(PassClass::kOnWall);
-    along += stride_[here & 15U];
-  }
-  return false;
+  const std::uint8_t here = packed(Point2(walk.from + walk.along * walk.direction));
+  walk.has_left = walk.has_entered && kClassClearance[here & 15U] >= kClear;
+  walk.has_entered |= (here >> 4U) == static_cast<std::size_t>(PassClass::kOnWall);
+  walk.along += stride_[here & 15U];
 }
 
-bool ClassField::wall_between(const Point2& from_cells, const Point2& to_cells) const {
+/// Each step of a beam waits for the cell of the step before. So beams are walked side by side.
+std::vector<std::uint8_t> ClassField::are_crossed(std::span<const Point2> from_cells,
+                                                  std::span<const Point2> to_cells) const {
+  constexpr std::size_t kAtOnce = 8;
+  std::vector<std::uint8_t> are_crossed(to_cells.size(), 0);
+  std::vector<Walk> walks;
+  walks.reserve(kAtOnce);
+  for (std::size_t begin = 0; begin < to_cells.size(); begin += kAtOnce) {
+    const std::size_t end = std::min(to_cells.size(), begin + kAtOnce);
+    walks.clear();
+    for (std::size_t i = begin; i < end; ++i) walks.emplace_back(from_cells[i], to_cells[i]);
+    for (bool are_done = false; !are_done;) {
+      are_done = true;
+      for (Walk& walk : walks) {
+        if (walk.is_done()) continue;
+        step(walk);
+        are_done = false;
+      }
+    }
+    for (std::size_t i = begin; i < end; ++i) are_crossed[i] = walks[i - begin].has_left ? 1 : 0;
+  }
+  return are_crossed;
+}
+
+std::vector<std::uint8_t> ClassField::walls_between(std::span<const Point2> from_cells,
+                                                    std::span<const Point2> to_cells) const {
   constexpr double kGrazing = 0.1;  // [m]
-  if (!is_crossed(from_cells, to_cells)) return false;
-  const Point2 beam = to_cells - from_cells;
-  const Point2 aside =
-      kGrazing / (resolution_ * std::max(beam.norm(), 1e-9)) * Point2{-beam.y(), beam.x()};
-  return is_crossed(from_cells + aside, to_cells + aside) &&
-         is_crossed(from_cells - aside, to_cells - aside);
+  std::vector<std::uint8_t> are_blocked = are_crossed(from_cells, to_cells);
+  std::vector<std::size_t> doubtful;
+  std::vector<Point2> from_aside;  // To one side and to the other in turn.
+  std::vector<Point2> to_aside;
+  for (std::size_t i = 0; i < are_blocked.size(); ++i) {
+    if (are_blocked[i] == 0) continue;
+    const Point2 beam = to_cells[i] - from_cells[i];
+    const Point2 aside =
+        kGrazing / (resolution_ * std::max(beam.norm(), 1e-9)) * Point2{-beam.y(), beam.x()};
+    doubtful.push_back(i);
+    from_aside.insert(from_aside.end(), {from_cells[i] + aside, from_cells[i] - aside});
+    to_aside.insert(to_aside.end(), {to_cells[i] + aside, to_cells[i] - aside});
+  }
+  const std::vector<std::uint8_t> beside = are_crossed(from_aside, to_aside);
+  for (std::size_t i = 0; i < doubtful.size(); ++i)
+    are_blocked[doubtful[i]] = beside[2 * i] & beside[2 * i + 1];
+  return are_blocked;
 }
 
 EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
@@ -140,22 +167,25 @@ EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence
   const auto in_cells = [&](const Point2& p) {
     return Point2{x + c * p.x() - s * p.y(), y + s * p.x() + c * p.y()};
   };
-  const auto index = [](double cells) { return static_cast<int>(std::floor(cells)); };
+  std::vector<Point2> ends(evidence.ends.size());
+  std::ranges::transform(evidence.ends, ends.begin(), in_cells);
+  std::vector<Point2> origins(evidence.origins.size());
+  std::ranges::transform(evidence.origins, origins.begin(), in_cells);
+  const std::vector<std::uint8_t> is_hidden = origins.empty()
+                                                  ? std::vector<std::uint8_t>(ends.size(), 0)
+                                                  : classes.walls_between(origins, ends);
   EvidenceScore score;
   score.block_llr.assign(evidence.blocks, 0.0F);
   score.independent_hits = evidence.independent_hits;
-  for (std::size_t i = 0; i < evidence.ends.size(); ++i) {
-    const Point2 end = in_cells(evidence.ends[i]);
-    std::size_t end_class = classes.end_class(index(end.x()), index(end.y()));
-    if (!evidence.origins.empty() && classes.wall_between(in_cells(evidence.origins[i]), end))
-      end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    std::size_t end_class = classes.packed(ends[i]) & 15U;
+    if (is_hidden[i] != 0) end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
     ++score.end_counts[end_class];
     if (!evidence.end_blocks.empty())
       score.block_llr[evidence.end_blocks[i]] += kRivalWeights.ends[end_class];
   }
   for (std::size_t i = 0; i < evidence.free.size(); ++i) {
-    const Point2 passed = in_cells(evidence.free[i]);
-    const std::size_t pass_class = classes.pass_class(index(passed.x()), index(passed.y()));
+    const std::size_t pass_class = classes.packed(in_cells(evidence.free[i])) >> 4U;
     ++score.pass_counts[pass_class];
     if (!evidence.free_blocks.empty())
       score.block_llr[evidence.free_blocks[i]] += kRivalWeights.passes[pass_class];

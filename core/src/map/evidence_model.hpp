@@ -6,9 +6,11 @@
 /// over real logs (docs/method/05-acceptance.md).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <cornerfix/answer.hpp>
@@ -69,18 +71,46 @@ class ClassField {
   /// Both classes as stored: the end class in the low nibble, the pass class in the high one.
   [[nodiscard]] std::uint8_t packed(int column, int row) const { return at(column, row); }
 
-  /// Whether a wall stands between two points. It must also block the beams 0.1 m to either side: a
-  /// beam that grazes a wall, within the error of a correct pose, is not blocked. The wall that a
-  /// beam ends in does not count. Points in cells of the grid; O(free places along the beam).
-  [[nodiscard]] bool wall_between(const Point2& from_cells, const Point2& to_cells) const;
+  /// Both classes of the cell that holds a point, in cells of the grid.
+  [[nodiscard]] std::uint8_t packed(const Point2& cells) const {
+    const bool is_inside =
+        cells.x() >= 0.0 && cells.y() >= 0.0 && cells.x() < width_ && cells.y() < height_;
+    if (!is_inside) return kOutside;
+    return classes_[static_cast<std::size_t>(cells.y()) * static_cast<std::size_t>(width_) +
+                    static_cast<std::size_t>(cells.x())];
+  }
+
+  /// Whether a wall stands between the two ends of each beam. It must also block the beams 0.1 m to
+  /// either side: a beam that grazes a wall, within the error of a correct pose, is not blocked.
+  /// The wall that a beam ends in does not count. Points in cells of the grid; O(free places along
+  /// the beams).
+  [[nodiscard]] std::vector<std::uint8_t> walls_between(std::span<const Point2> from_cells,
+                                                        std::span<const Point2> to_cells) const;
 
   /// Class of a cell outside the grid: far from walls, unknown.
   static constexpr std::uint8_t kOutside = static_cast<std::uint8_t>(
       (kFieldClasses - 1) | (static_cast<std::size_t>(PassClass::kUnknown) << 4U));
 
  private:
-  /// Whether a line enters a wall and leaves it again.
-  [[nodiscard]] bool is_crossed(const Point2& from_cells, const Point2& to_cells) const;
+  /// One beam on its way through the cells.
+  struct Walk {
+    Walk(const Point2& the_from, const Point2& to)
+        : from(the_from),
+          length((to - from).norm()),
+          direction((to - from) / std::max(length, 1e-9)) {}
+    Point2 from;
+    double length;
+    Point2 direction;
+    double along = 0.0;
+    bool has_entered = false;  ///< A wall,
+    bool has_left = false;     ///< and free space again.
+    [[nodiscard]] bool is_done() const { return has_left || !(along < length); }
+  };
+  void step(Walk& walk) const;
+  /// Whether lines enter a wall and leave it again, each.
+  [[nodiscard]] std::vector<std::uint8_t> are_crossed(std::span<const Point2> from_cells,
+                                                      std::span<const Point2> to_cells) const;
+
   [[nodiscard]] std::uint8_t at(int column, int row) const {
     if (column < 0 || row < 0 || column >= width_ || row >= height_) return kOutside;
     return classes_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
