@@ -454,8 +454,9 @@ std::optional<Response> HttpServer::Impl::refuse_foreign_page(const httplib::Req
                                 " is not known as a name of this server: configure tokens, or add "
                                 "it to allowed_hosts.");
   }
-  const bool is_foreign =
-      raw.has_header("Origin") && !hosts.allows_origin(raw.get_header_value("Origin"), host);
+  const auto [first, last] = raw.headers.equal_range("Origin");
+  const bool is_foreign = std::any_of(
+      first, last, [&](const auto& header) { return !hosts.allows_origin(header.second, host); });
   if (raw.method != "GET" && raw.method != "HEAD" && is_foreign) {
     return problem_response(403, "forbidden", "Another site's page may not change anything here.");
   }

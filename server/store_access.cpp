@@ -2,6 +2,8 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -19,11 +21,16 @@ std::optional<FileId> id_of(const std::filesystem::path& path) {
   return FileId{status.st_dev, status.st_ino};
 }
 
-Error not_in_place() {
+Error not_in_place(const std::filesystem::path& file) {
   return {ErrorCode::kUnavailable,
-          "the database file was deleted or replaced while the server was running: restart the "
-          "server",
+          "the database file " + file.filename().string() +
+              " was deleted or replaced while the server was running: restart the server",
           ""};
+}
+
+/// The file and SQLite's companions of it.
+std::array<std::filesystem::path, 3> files_of(const std::filesystem::path& path) {
+  return {path, path.string() + "-wal", path.string() + "-shm"};
 }
 
 }  // namespace
@@ -34,31 +41,38 @@ Result<std::shared_ptr<StoreAccess>> StoreAccess::open(const std::filesystem::pa
   if (!map_database) return map_database.error();
   auto session_database = (*map_database)->open_another(Synchronous::kNormal);
   if (!session_database) return session_database.error();
-  const auto opened = id_of((*map_database)->path());
-  if (!opened) return not_in_place();
-  return std::shared_ptr<StoreAccess>(
-      new StoreAccess(std::move(*map_database), std::move(*session_database), *opened));
+  // The first read opens the companions. They stay as long as a connection is open.
+  if (const auto readable = (*session_database)->probe(); !readable) return readable.error();
+  return std::shared_ptr<StoreAccess>(new StoreAccess(std::move(*map_database),
+                                                      std::move(*session_database),
+                                                      std::chrono::milliseconds(busy_timeout_ms)));
 }
 
 StoreAccess::StoreAccess(std::shared_ptr<Database> map_database,
-                         std::shared_ptr<Database> session_database, FileId opened)
+                         std::shared_ptr<Database> session_database,
+                         std::chrono::milliseconds patience)
     : path_(map_database->path()),
-      opened_(opened),
+      files_(files_of(path_)),
       maps_(map_database),
       session_list_(std::move(map_database)),
+      patience_(patience),
       session_database_(std::move(session_database)),
       sessions_(session_database_),
       map_entries_(session_database_),
       tokens_(session_database_),
-      page_check_(session_database_) {}
+      page_check_(session_database_) {
+  std::ranges::transform(files_, opened_.begin(), id_of);
+}
 
 Result<std::vector<storage::TokenRecord>> StoreAccess::tokens() {
-  const std::lock_guard lock(session_mutex_);
+  const std::unique_lock lock(session_mutex_, patience_);
+  if (!lock) return busy();
   return tokens_.list();
 }
 
 Result<std::uint64_t> StoreAccess::epoch() {
-  const std::lock_guard lock(session_mutex_);
+  const std::unique_lock lock(session_mutex_, patience_);
+  if (!lock) return busy();
   if (const auto in_place = check_in_place(); !in_place) return in_place.error();
   const auto version = session_database_->data_version();
   if (!version) return version.error();
@@ -69,7 +83,8 @@ Result<std::uint64_t> StoreAccess::epoch() {
 
 Result<void> StoreAccess::probe(std::uint64_t min_free_bytes) {
   {
-    const std::lock_guard lock(session_mutex_);
+    const std::unique_lock lock(session_mutex_, patience_);
+    if (!lock) return busy();
     if (auto in_place = check_in_place(); !in_place) return in_place;
     if (auto readable = session_database_->probe(); !readable) return readable;
     if (auto room = check_room(min_free_bytes); !room) return room;
@@ -89,9 +104,16 @@ Result<void> StoreAccess::check_room(std::uint64_t min_free_bytes) const {
                ""};
 }
 
+Error StoreAccess::busy() {
+  return {ErrorCode::kUnavailable, "the database is busy: perhaps another process has locked it",
+          ""};
+}
+
 Result<void> StoreAccess::check_in_place() const {
-  if (id_of(path_) == opened_) return {};
-  return not_in_place();
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    if (!opened_.at(i) || id_of(files_.at(i)) != opened_.at(i)) return not_in_place(files_.at(i));
+  }
+  return {};
 }
 
 }  // namespace cornerfix::server

@@ -2,10 +2,13 @@
 /// time.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -29,8 +32,10 @@ struct FileId {
 
 /// Sessions are written often and may lose their last batches in a power cut; maps are written
 /// seldom and must not. So each has a connection of its own, and quick answers to robots do not
-/// wait for the writing of a map. Every call is kUnavailable when the path no longer names the file
-/// that was opened: what was written would be lost. Any threads may call.
+/// wait for the writing of a map. Every call is kUnavailable when the file, its write-ahead log or
+/// the log's index was deleted or replaced: what was written would be lost. A call about sessions
+/// waits `busy_timeout_ms` at most for those before it, else it is kUnavailable too: another
+/// process may have locked the file. Any threads may call.
 class StoreAccess {
  public:
   [[nodiscard]] static Result<std::shared_ptr<StoreAccess>> open(
@@ -49,7 +54,8 @@ class StoreAccess {
   /// `use(SessionStore&)` on the connection for sessions.
   template <typename Use>
   std::invoke_result_t<Use, storage::SessionStore&> with_sessions(Use&& use) {
-    const std::lock_guard lock(session_mutex_);
+    const std::unique_lock lock(session_mutex_, patience_);
+    if (!lock) return busy();
     if (const auto in_place = check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(sessions_);
   }
@@ -65,7 +71,8 @@ class StoreAccess {
   /// `use(MapStore&)` on the connection for sessions: for short reads on a robot's way.
   template <typename Use>
   std::invoke_result_t<Use, storage::MapStore&> with_map_entries(Use&& use) {
-    const std::lock_guard lock(session_mutex_);
+    const std::unique_lock lock(session_mutex_, patience_);
+    if (!lock) return busy();
     if (const auto in_place = check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(map_entries_);
   }
@@ -81,20 +88,27 @@ class StoreAccess {
   [[nodiscard]] Result<void> probe(std::uint64_t min_free_bytes);
 
  private:
-  StoreAccess(std::shared_ptr<storage::Database> map_database,
-              std::shared_ptr<storage::Database> session_database, FileId opened);
+  /// The database, its write-ahead log and its index.
+  using FileIds = std::array<std::optional<FileId>, 3>;
 
+  StoreAccess(std::shared_ptr<storage::Database> map_database,
+              std::shared_ptr<storage::Database> session_database,
+              std::chrono::milliseconds patience);
+
+  [[nodiscard]] static Error busy();
   [[nodiscard]] Result<void> check_in_place() const;
   [[nodiscard]] Result<void> check_room(std::uint64_t min_free_bytes) const;
 
   std::filesystem::path path_;
-  FileId opened_;
+  std::array<std::filesystem::path, 3> files_;
+  FileIds opened_;
 
   std::mutex map_mutex_;
   storage::MapStore maps_;
   storage::SessionStore session_list_;
 
-  std::mutex session_mutex_;
+  const std::chrono::milliseconds patience_;  ///< For other calls about sessions.
+  std::timed_mutex session_mutex_;
   std::shared_ptr<storage::Database> session_database_;
   storage::SessionStore sessions_;
   storage::MapStore map_entries_;

@@ -296,6 +296,9 @@ TEST_F(HttpRulesTest, KnowsItsNamesAndRefusesOthers) {
                               {{"Origin", "http://evil.example.com"}}),
                  403);
   const std::string own = "http://127.0.0.1:" + std::to_string(server_.port());
+  expect_problem(client_.send("PUT", "/v1/maps/office", "{}", "application/json",
+                              {{"Origin", own}, {"Origin", "http://evil.example.com"}}),
+                 403);
   EXPECT_EQ(
       client_.send("PUT", "/v1/maps/office", "{}", "application/json", {{"Origin", own}}).status,
       201);
@@ -420,6 +423,14 @@ TEST_F(HttpRulesTest, IsNotReadyWithoutItsDatabaseOrRoomForIt) {
   const Reply deleted = client_.get("/readyz");
   expect_problem(deleted, 503);
   EXPECT_THAT(deleted.json()["detail"], HasSubstr("deleted or replaced"));
+  EXPECT_TRUE(is_alive());
+}
+
+TEST_F(HttpRulesTest, AcknowledgesNothingWithoutItsWriteAheadLog) {
+  ASSERT_TRUE(std::filesystem::remove(directory_ / "test.db-wal"));
+  expect_problem(client_.put("/v1/maps/office", Json::object()), 503);
+  expect_problem(client_.post("/v1/sessions", testing::session_request("cart-7", nullptr)), 503);
+  expect_problem(client_.get("/readyz"), 503);
   EXPECT_TRUE(is_alive());
 }
 

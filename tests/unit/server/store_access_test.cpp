@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <limits>
 #include <string>
 
@@ -45,6 +46,25 @@ TEST_F(StoreAccessTest, NoticesThatItsFileWasReplaced) {
   std::filesystem::copy(file_, directory_ / "copy.db");
   std::filesystem::rename(directory_ / "copy.db", file_);
   expect_unavailable();
+}
+
+TEST_F(StoreAccessTest, NoticesThatTheWriteAheadLogOrItsIndexWasDeleted) {
+  for (const char* companion : {"test.db-wal", "test.db-shm"}) {
+    stores_ = StoreAccess::open(file_).value();
+    ASSERT_TRUE(stores_->probe(0));
+    ASSERT_TRUE(std::filesystem::remove(directory_ / companion)) << companion;
+    expect_unavailable();
+  }
+}
+
+TEST_F(StoreAccessTest, WaitsForOtherCallsNoLongerThanForAnotherProcess) {
+  stores_ = StoreAccess::open(file_, 1).value();
+  const auto other = stores_->with_sessions([&](storage::SessionStore&) {
+    return std::async(std::launch::async, [&] { return stores_->epoch(); }).get();
+  });
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::kUnavailable);
+  EXPECT_TRUE(stores_->epoch());
 }
 
 TEST_F(StoreAccessTest, NeedsRoomToStore) {
