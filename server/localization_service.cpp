@@ -25,8 +25,10 @@ namespace {
 constexpr std::size_t kMapsAPage = 1000;
 constexpr int kMaxAttempts = 3;
 constexpr std::chrono::seconds kSweepInterval{30};
-/// Of a session with its localizer: 1,000 sessions of one batch each took 2.4 GB.
-constexpr std::size_t kLiveSessionBytes = 2'500'000;
+/// Of a session with its localizer, as measured: its submap, and while it searches, what it has
+/// looked at (docs/reliability.md, section 5).
+constexpr std::size_t kTrackingBytes = 1'000'000;
+constexpr std::size_t kSearchingBytes = 3'000'000;
 
 /// 128 random bits: nobody guesses another robot's session.
 std::string make_session_id() {
@@ -121,7 +123,7 @@ Error no_such_session(const std::string& id) {
 /// list. In the store and in `stored_state` it is the map's id itself, because by the time it is
 /// read the list may be another.
 struct LocalizationService::Session {
-  explicit Session(std::atomic<std::size_t>& live_sessions) : live_sessions_(live_sessions) {}
+  explicit Session(std::atomic<std::size_t>& live_bytes) : live_bytes_(live_bytes) {}
   ~Session() { drop_localizer(); }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -131,8 +133,9 @@ struct LocalizationService::Session {
   api::Lidar lidar;
   LocalizerParams params;
   std::atomic<Status> status = Status::kCollecting;  ///< Counted without the mutex.
-  std::atomic<bool> is_live = false;                 ///< Has a localizer; read without the mutex.
-  LocalizerState stored_state;                       ///< What the next localizer goes on from.
+  std::atomic<std::size_t> bytes = 0;                ///< Of the localizer; read without the mutex.
+  LocalizerState stored_state;                       ///< What the next localizer goes on from;
+                                                     ///< empty while there is one.
   std::optional<Localizer> localizer;  ///< Made when the first batch comes; ahead of the above.
   std::vector<std::int64_t> map_ids;   ///< In the localizer's order.
   bool holds_all_maps = false;         ///< False: stand-ins for all but the tracked one.
@@ -195,7 +198,7 @@ struct LocalizationService::Session {
       if (maps != localizer->maps()) localizer->replace_maps(std::move(maps));
       return;
     }
-    LocalizerState state = this->state();
+    LocalizerState state = localizer ? this->state() : std::exchange(stored_state, {});
     if (state.tracked_map >= 0) {
       const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
       const bool is_there = found != ids.end();
@@ -203,22 +206,28 @@ struct LocalizationService::Session {
       if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
     }
     status = state.status;
-    if (!localizer) ++live_sessions_;
     localizer.emplace(std::move(maps), params, clock);
     localizer->restore(std::move(state));
     map_ids = std::move(ids);
-    is_live = true;
+    count_bytes();
   }
 
   void drop_localizer() {
-    if (localizer) --live_sessions_;
     localizer.reset();
     map_ids.clear();
-    is_live = false;
+    count_bytes();
+  }
+
+  /// To be called when `localizer` or `status` changed.
+  void count_bytes() {
+    const std::size_t live = status == Status::kLocalized ? kTrackingBytes : kSearchingBytes;
+    const std::size_t now = localizer ? live : 0;
+    live_bytes_ += now - bytes;  // Wraps around where it shrinks.
+    bytes = now;
   }
 
  private:
-  std::atomic<std::size_t>& live_sessions_;
+  std::atomic<std::size_t>& live_bytes_;  ///< Of all sessions.
 };
 
 /// A session held for this thread alone.
@@ -424,6 +433,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   if (auto saved = save(session, request, answer); !saved) return saved.error();
   session.history.add(batch.answer, request.sequence, session.record.last_used);
   session.status = batch.answer.status;
+  session.count_bytes();
   session.search_begin = search_begin;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
@@ -480,7 +490,7 @@ Result<LocalizationService::LockedSession> LocalizationService::lock(const std::
   {
     const std::lock_guard lock(table_mutex_);
     std::shared_ptr<Session>& entry = table_[id];
-    if (!entry) entry = std::make_shared<Session>(live_sessions_);
+    if (!entry) entry = std::make_shared<Session>(live_bytes_);
     entry->last_used = now;
     session = entry;
   }
@@ -605,20 +615,20 @@ void LocalizationService::remove_expired() {
 
 /// Leaves a tenth of the room free, so that not every batch has to look.
 void LocalizationService::park_least_used() {
-  const std::size_t most =
-      std::max<std::size_t>(1, settings_.max_session_bytes / kLiveSessionBytes);
-  if (live_sessions_ <= most) return;
+  if (live_bytes_ <= settings_.max_session_bytes) return;
   const std::lock_guard lock(table_mutex_);
   std::vector<std::pair<SteadyClock::time_point, std::string>> parkable;
   for (const auto& [id, session] : table_) {
     // One in use is held by its user too.
-    if (session->is_live && session.use_count() == 1) parkable.emplace_back(session->last_used, id);
+    if (session->bytes > 0 && session.use_count() == 1)
+      parkable.emplace_back(session->last_used, id);
   }
-  const std::size_t live = live_sessions_;
-  const std::size_t surplus = live - std::min(live, most - most / 10);
   std::ranges::sort(parkable);
-  parkable.resize(std::min(parkable.size(), surplus));
-  for (const auto& [last_used, id] : parkable) table_.erase(id);
+  const std::size_t wanted = settings_.max_session_bytes - settings_.max_session_bytes / 10;
+  for (const auto& [last_used, id] : parkable) {
+    if (live_bytes_ <= wanted) return;
+    table_.erase(id);
+  }
 }
 
 }  // namespace cornerfix::server

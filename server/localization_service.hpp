@@ -177,7 +177,7 @@ class LocalizationService {
   std::shared_ptr<MapLibrary> maps_;
   LocalizationServiceSettings settings_;
 
-  std::atomic<std::size_t> live_sessions_ = 0;  ///< Sessions with a localizer.
+  std::atomic<std::size_t> live_bytes_ = 0;  ///< Of sessions with a localizer, about.
   std::mutex table_mutex_;
   std::unordered_map<std::string, std::shared_ptr<Session>> table_;
   std::chrono::steady_clock::time_point next_sweep_;
