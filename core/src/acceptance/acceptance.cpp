@@ -22,7 +22,7 @@ constexpr double kLeastRivalEvidence = -3.0;
 
 // Coefficients of the logistic model of the significance. By theory its slope is 1, because the
 // significance is a logarithm of odds. The data prefer 0.8.
-constexpr double kExplainedOffset = 6.1;
+constexpr double kExplainedOffset = 5.7;
 constexpr double kExplainedSlope = 0.8;
 
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
