@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "api/params_codec.hpp"
+#include "api/start_region_codec.hpp"
 
 namespace cornerfix::api {
 namespace {
@@ -133,6 +134,7 @@ Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
   for (const RankedHypothesis& hypothesis : answer.hypotheses) {
     json["hypotheses"].push_back(hypothesis_json(hypothesis));
   }
+  json["given"] = answer.is_given_region ? Json("near") : Json(nullptr);
   json["explanation"] = explanation_json(answer);
   json["reason"] = answer.reason == Reason::kNone ? Json(nullptr) : Json(to_string(answer.reason));
   json["odometry"] =
@@ -226,6 +228,7 @@ Json render_session(const SessionEntry& session) {
   json["maps"] = session.maps.empty() ? Json(nullptr) : Json(session.maps);
   json["lidar"] = stored(session.lidar_json);
   json["options"] = params_to_json(params_from_json(session.options_json));
+  json["near"] = render_start_region(session.region);
   json["created"] = session.created;
   json["last_seen"] = session.last_seen;
   json["expected"] = session.expected;

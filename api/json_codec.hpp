@@ -96,6 +96,7 @@ struct SessionEntry {
   Status status = Status::kCollecting;
   std::string_view lidar_json;
   std::string_view options_json;
+  std::optional<StartRegion> region;  ///< While it restricts the search.
   const Json* last_answer = nullptr;  ///< Null before the first batch.
 };
 /// `options` are all that are in force, defaults too.

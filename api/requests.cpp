@@ -12,6 +12,7 @@
 #include "api/json_field.hpp"
 #include "api/params_codec.hpp"
 #include "api/scan_batch.hpp"
+#include "api/start_region_codec.hpp"
 
 namespace cornerfix::api {
 namespace {
@@ -252,7 +253,7 @@ Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat for
 
 Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFormat format) {
   return parse<CreateSessionRequest>(
-      body, format, {}, {"robot", "map", "maps", "lidar", "options"},
+      body, format, {}, {"robot", "map", "maps", "lidar", "near", "options"},
       [](const JsonField& root, Document& /*document*/, CreateSessionRequest& request) {
         if (const auto robot = root.require("robot", "the robot's name")) {
           request.robot = robot->as_name().value_or("");
@@ -262,7 +263,16 @@ Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFor
           request.lidar = read_lidar(*field).value_or(Lidar{});
           request.lidar_json = lidar_to_json(request.lidar);
         }
+        if (const auto near = root.find("near")) request.region = read_start_region(*near);
         read_options(root, request.params, &request.options_json);
+      });
+}
+
+Parsed<ResetRequest> parse_reset(std::string_view body, BodyFormat format) {
+  return parse<ResetRequest>(
+      body, format, {}, {"near"},
+      [](const JsonField& root, Document& /*document*/, ResetRequest& request) {
+        if (const auto near = root.find("near")) request.region = read_start_region(*near);
       });
 }
 

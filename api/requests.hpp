@@ -16,6 +16,7 @@
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localizer_params.hpp>
 #include <cornerfix/mapper.hpp>
+#include <cornerfix/start_region.hpp>
 
 #include "api/problem.hpp"
 
@@ -66,6 +67,10 @@ struct CreateSessionRequest {
   Lidar lidar;
   std::string lidar_json, options_json;
   LocalizerParams params;  ///< Defaults with `options` applied.
+  std::optional<StartRegion> region;
+};
+struct ResetRequest {
+  std::optional<StartRegion> region;
 };
 struct SessionScansRequest {
   std::uint64_t sequence = 0;
@@ -88,6 +93,7 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat format);
 [[nodiscard]] Parsed<CreateSessionRequest> parse_create_session(std::string_view body,
                                                                 BodyFormat format);
+[[nodiscard]] Parsed<ResetRequest> parse_reset(std::string_view body, BodyFormat format);
 [[nodiscard]] Parsed<SessionScansRequest> parse_session_scans(std::string_view body,
                                                               BodyFormat format, const Lidar& lidar,
                                                               const RequestLimits& limits);

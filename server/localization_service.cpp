@@ -159,6 +159,7 @@ struct LocalizationService::Session {
             .maps = record.maps,
             .lidar_json = record.lidar_json,
             .options_json = record.options_json,
+            .region = localizer ? localizer->region() : stored_state.region,
             .expected_sequence = record.expected_sequence,
             .status = status,
             .last_answer = record.last_answer,
@@ -203,6 +204,7 @@ struct LocalizationService::Session {
       const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
       const bool is_there = found != ids.end();
       state.tracked_map = is_there ? static_cast<int>(found - ids.begin()) : -1;
+      if (!is_there) state.region.reset();
       if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
     }
     status = state.status;
@@ -258,6 +260,9 @@ Result<std::optional<SessionView>> LocalizationService::create(
     if (!info) return info.error();
     map_ids.push_back(info->id);
   }
+  if (auto good = check_region(request.region, request.maps); !good) return good.error();
+  LocalizerState state;
+  state.region = request.region;
   const std::string now = settings_.now();
   const SessionRecord record{.id = make_session_id(),
                              .robot = request.robot,
@@ -267,7 +272,7 @@ Result<std::optional<SessionView>> LocalizationService::create(
                              .options_json = request.options_json,
                              .expected_sequence = 0,
                              .last_answer = {},
-                             .state = {},
+                             .state = std::move(state),
                              .map_ids = std::move(map_ids),
                              .last_used = now};
   bool has_room = false;
@@ -327,6 +332,7 @@ Result<SessionList> LocalizationService::list(const SessionListRequest& request)
                              .maps = std::move(record.maps),
                              .lidar_json = std::move(record.lidar_json),
                              .options_json = std::move(record.options_json),
+                             .region = std::move(record.state.region),
                              .expected_sequence = record.expected_sequence,
                              .status = record.state.status,
                              .last_answer = std::move(record.last_answer)});
@@ -339,13 +345,27 @@ Result<void> LocalizationService::remove(const std::string& id) {
   return stores_->with_sessions([&](SessionStore& sessions) { return sessions.remove(id); });
 }
 
-Result<SessionView> LocalizationService::reset(const std::string& id) {
+Result<void> LocalizationService::check_region(const std::optional<StartRegion>& region,
+                                               const std::vector<std::string>& maps) {
+  if (!region || region->map.empty()) return {};
+  if (maps.empty()) {
+    const auto info = maps_->find(region->map);
+    return info ? Result<void>() : Result<void>(info.error());
+  }
+  if (std::ranges::find(maps, region->map) != maps.end()) return {};
+  return Error{ErrorCode::kInvalidArgument, "must be one of the session's maps", "/near/map"};
+}
+
+Result<SessionView> LocalizationService::reset(const std::string& id,
+                                               const std::optional<StartRegion>& region) {
   for (int attempt = 1;; ++attempt) {
     const auto locked = lock(id);
     if (!locked) return locked.error();
     Session& session = **locked;
+    if (auto good = check_region(region, session.record.maps); !good) return good.error();
     session.is_current = false;  // Until the store has it too.
-    const LocalizerState forgotten;
+    LocalizerState forgotten;
+    forgotten.region = region;
     const std::string now = settings_.now();
     const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                         .expected_sequence = session.record.expected_sequence,
@@ -357,8 +377,8 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
     if (!saved) return saved.error();
-    if (session.localizer) session.localizer->reset();
-    session.stored_state = {};
+    if (session.localizer) session.localizer->reset(region);
+    session.stored_state = std::move(forgotten);
     session.confirmed_map = 0;
     session.search_begin.reset();
     session.status = Status::kCollecting;
@@ -516,7 +536,8 @@ Result<void> LocalizationService::refresh(Session& session) {
   // Every batch raises the one number and a reset zeroes the other: both the same, nobody was here.
   const bool is_unchanged = session.is_current && session.localizer &&
                             record.expected_sequence == session.record.expected_sequence &&
-                            record.state.scans == session.localizer->state().scans;
+                            record.state.scans == session.localizer->state().scans &&
+                            record.state.region == session.localizer->region();
   if (is_unchanged) return {};
   const auto lidar = api::lidar_from_json(record.lidar_json);
   if (!lidar) return Error{ErrorCode::kCorruptData, "session " + id + " has no lidar", ""};

@@ -35,6 +35,7 @@ struct SessionView {
   std::string last_seen;          ///< When it took its last batch, or was created.
   std::vector<std::string> maps;  ///< As asked for; empty: every map.
   std::string lidar_json, options_json;
+  std::optional<StartRegion> region{};  ///< While it restricts the search.
   std::uint64_t expected_sequence = 0;
   Status status = Status::kCollecting;
   std::string last_answer;  ///< Rendered; empty before the first.
@@ -140,7 +141,9 @@ class LocalizationService {
   [[nodiscard]] SessionCounts count_by_status();
   [[nodiscard]] Result<void> remove(const std::string& id);
   /// The robot was carried: forgets the pose, the submap and the stamps; the sequence goes on.
-  [[nodiscard]] Result<SessionView> reset(const std::string& id);
+  /// The robot is in `region` now, if there is one.
+  [[nodiscard]] Result<SessionView> reset(const std::string& id,
+                                          const std::optional<StartRegion>& region = {});
 
   [[nodiscard]] Result<SessionHead> head(const std::string& id);
 
@@ -161,6 +164,9 @@ class LocalizationService {
 
   [[nodiscard]] Result<LockedSession> lock(const std::string& id);
   [[nodiscard]] Result<void> refresh(Session& session);
+  /// Whether a region's map is one that is searched.
+  [[nodiscard]] Result<void> check_region(const std::optional<StartRegion>& region,
+                                          const std::vector<std::string>& maps);
   [[nodiscard]] Result<void> use_current_maps(Session& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(Session& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();

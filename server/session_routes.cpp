@@ -28,6 +28,7 @@ Json session_json(const SessionView& view) {
                                       .expected = view.expected_sequence,
                                       .lidar_json = view.lidar_json,
                                       .options_json = view.options_json,
+                                      .region = view.region,
                                       .last_answer = answer.is_null() ? nullptr : &answer});
   session["status"] = to_string(view.status);
   return session;
@@ -120,7 +121,10 @@ class SessionRoutes {
 
   Response reset(const Request& request) {
     if (auto refusal = refuse_foreign(request)) return *refusal;
-    const auto view = service().reset(request.captures[0]);
+    const auto parsed = api::parse_reset(request.body, request.body_format);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto& reset = std::get<api::ResetRequest>(parsed);
+    const auto view = service().reset(request.captures[0], reset.region);
     if (!view) return error_response(request, view.error());
     return document_response(request, 200, session_json(*view));
   }
@@ -248,7 +252,8 @@ void add_session_routes(Router& router, const Services& services) {
   add("GET", "/v1/sessions", Access::kRead, kIgnored, &SessionRoutes::list);
   add("GET", "/v1/sessions/{id}", Access::kRead, kIgnored, &SessionRoutes::get);
   add("DELETE", "/v1/sessions/{id}", Access::kSession, kIgnored, &SessionRoutes::remove);
-  add("POST", "/v1/sessions/{id}/reset", Access::kSession, kIgnored, &SessionRoutes::reset);
+  add("POST", "/v1/sessions/{id}/reset", Access::kSession, kOptionalDocument,
+      &SessionRoutes::reset);
   add("POST", "/v1/sessions/{id}/scans", Access::kSession, kDocument, &SessionRoutes::post_scans);
   add("GET", "/v1/sessions/{id}/history", Access::kRead, kIgnored, &SessionRoutes::history);
   add("GET", "/v1/sessions/{id}/events", Access::kRead, kIgnored, &SessionRoutes::events);

@@ -206,6 +206,48 @@ TEST_F(SessionsApiTest, ResetsWithoutContentLengthAtOnce) {
   EXPECT_THAT(reply, ::testing::StartsWith("HTTP/1.1 200"));
 }
 
+TEST_F(SessionsApiTest, FindsTheRobotNearAPlaceAndSaysSo) {
+  Json request = testing::session_request("cart-7", "office");
+  const Pose2& start = drive_.T_map_base_link.front();
+  request["near"] = {{"x", start.x}, {"y", start.y}, {"radius_m", 1.0}, {"yaw", start.yaw}};
+  const Reply opened = client_.post("/v1/sessions", request);
+  ASSERT_EQ(opened.status, 201) << opened.body;
+  EXPECT_EQ(opened.json()["near"]["yaw_tolerance_rad"], 0.8);
+  const std::string id = opened.json()["id"];
+  Json answer;
+  for (std::uint64_t i = 0; i < 10; ++i) answer = post(id, i).json();
+  EXPECT_EQ(answer["status"], "localized") << answer.dump(1);
+  EXPECT_EQ(answer["given"], "near");
+}
+
+TEST_F(SessionsApiTest, ARobotThatIsNotNearThePlaceGetsNoPose) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  const Json near{{"x", 8.5}, {"y", 2.0}, {"radius_m", 0.8}};
+  const Reply reset = client_.post("/v1/sessions/" + id + "/reset", {{"near", near}});
+  ASSERT_EQ(reset.status, 200) << reset.body;
+  EXPECT_EQ(reset.json()["near"], near);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const Json answer = post(id, i).json();
+    EXPECT_EQ(answer["status"], "collecting");
+    EXPECT_EQ(answer["pose"], nullptr);
+    if (i > 1) EXPECT_EQ(answer["reason"], "prior_contradicted");
+  }
+  EXPECT_EQ(client_.send("POST", "/v1/sessions/" + id + "/reset", "", "").json()["near"], nullptr);
+}
+
+TEST_F(SessionsApiTest, PointsToWhatIsWrongWithNear) {
+  Json request = testing::session_request("cart-7", "office");
+  request["near"] = {{"x", 1.0}, {"y", 2.0}, {"radius_m", -1.0}};
+  Reply refused = client_.post("/v1/sessions", request);
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near/radius_m");
+  request["near"] = {{"map", "hall"}, {"x", 1.0}, {"y", 2.0}, {"radius_m", 1.0}};
+  refused = client_.post("/v1/sessions", request);
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near/map");
+  EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
+}
+
 TEST_F(SessionsApiTest, RefusesABatchWhenTheMapWasDeleted) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   post(id, 0);

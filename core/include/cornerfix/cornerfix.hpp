@@ -16,3 +16,4 @@
 #include <cornerfix/ray_caster.hpp>
 #include <cornerfix/result.hpp>
 #include <cornerfix/slam.hpp>
+#include <cornerfix/start_region.hpp>

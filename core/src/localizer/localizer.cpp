@@ -96,7 +96,8 @@ struct Localizer::Impl {
   std::optional<double> usual_share;  ///< Of a scan's points that match the submap.
   int still_scans = 0;                ///< In a row that showed nothing new.
   GlobalSearch search{params};
-  bool searched = false;  ///< At this scan.
+  std::optional<StartRegion> region;  ///< While it restricts the search.
+  bool searched = false;              ///< At this scan.
   OdometryMonitor odometry_monitor;
 
   Status status = Status::kCollecting;
@@ -262,6 +263,7 @@ struct Localizer::Impl {
     stray_scans = 0;
     usual_share.reset();
     search.reset();
+    region.reset();
     new_ground = {};
     if (fix) withdraw(cause);
     terms = {};
@@ -271,6 +273,8 @@ struct Localizer::Impl {
   /// The pose is no longer an answer; the submap and the search go on.
   void withdraw(Withdrawal cause) {
     fix.reset();
+    search.lift_restriction();
+    region.reset();
     withdrawal = cause;
     status = Status::kLost;
     reason = Reason::kContradicted;
@@ -288,6 +292,11 @@ struct Localizer::Impl {
   }
 
   // --- search
+
+  void restrict_to(std::optional<StartRegion> start_region) {
+    region = std::move(start_region);
+    if (region) search.restrict_to(*region, T_submap_base_link);
+  }
 
   void look_for_robot(StepTimes& times) {
     const View view = view_from(submap, T_submap_base_link);
@@ -316,13 +325,15 @@ struct Localizer::Impl {
       const bool few_features =
           params.method != Method::kIndexed &&
           submap.features().size() < static_cast<std::size_t>(params.min_features);
-      reason = few_features ? Reason::kFewFeatures : Reason::kNoMatch;
+      reason = few_features ? Reason::kFewFeatures : no_match();
       return;
     }
     terms = search.terms();
     confidence = terms.probability_correct;
     if (!search.acceptable()) {
       reason = candidates.missing_without_rivals();
+      const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
+      if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
       if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
       return;
     }
@@ -339,9 +350,17 @@ struct Localizer::Impl {
       reason = Reason::kContradicted;
       return;
     }
+    accept(candidates.best());
+  }
+
+  [[nodiscard]] Reason no_match() const {
+    return region ? Reason::kPriorContradicted : Reason::kNoMatch;
+  }
+
+  void accept(const Candidate& best) {
     status = Status::kLocalized;
     reason = Reason::kNone;
-    begin_tracking(candidates.best());
+    begin_tracking(best);
     misfits = 0;
     misfit_way_m = 0.0;
     ++epoch;
@@ -428,6 +447,7 @@ struct Localizer::Impl {
     answer.odometry = last_T_odom_base_link ? odometry_monitor.use() : OdometryUse::kNone;
     answer.withdrawal = withdrawal;
     answer.terms = terms;
+    answer.is_given_region = region.has_value();
     answer.searched = searched;
     answer.reason = answer.status == Status::kLocalized ? Reason::kNone : reason;
     if (is_doubted && fix) answer.reason = Reason::kContradicted;
@@ -467,13 +487,17 @@ Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 Answer Localizer::process(const RobotScan& scan) { return impl_->process(scan); }
 
-void Localizer::reset() {
+void Localizer::reset(std::optional<StartRegion> region) {
+  assert(!region || !validate(*region));
   const std::uint64_t epoch = impl_->epoch;
   const OdometryMonitor odometry_monitor = impl_->odometry_monitor;
   *impl_ = Impl(std::move(impl_->maps), impl_->params, std::move(impl_->clock));
   impl_->epoch = epoch;
   impl_->odometry_monitor = odometry_monitor;
+  impl_->restrict_to(std::move(region));
 }
+
+const std::optional<StartRegion>& Localizer::region() const { return impl_->region; }
 
 void Localizer::replace_maps(std::vector<LocalizationMapPtr> maps) {
   assert(maps.size() >= impl_->maps.size() && "maps may join at the end, none may leave");
@@ -509,6 +533,7 @@ LocalizerState Localizer::state() const {
   state.distance_since_acceptance_m = impl_->distance_since_acceptance_m;
   state.searched_at_m = impl_->searched_at_m;
   state.accepted_index = impl_->accepted_index;
+  state.region = impl_->region;
   return state;
 }
 
@@ -539,6 +564,7 @@ void Localizer::restore(LocalizerState state) {
   impl_->distance_since_acceptance_m = state.distance_since_acceptance_m;
   impl_->searched_at_m = state.searched_at_m;
   impl_->accepted_index = state.accepted_index;
+  impl_->restrict_to(std::move(state.region));
   if (state.tracked_map >= 0)
     impl_->new_ground = NewGround(old_ground.value_or(impl_->submap.evidence()));
   if (state.tracked_map >= 0 && static_cast<std::size_t>(state.tracked_map) < impl_->maps.size()) {

@@ -219,6 +219,7 @@ TEST(Openapi, HasRequestExamplesThatAreTaken) {
       {"createSession", [&](auto& body) { expect_taken(parse_create_session(body, json), body); }},
       {"postSessionScans",
        [&](auto& body) { expect_taken(parse_session_scans(body, json, lidar, {}), body); }},
+      {"resetSession", [&](auto& body) { expect_taken(parse_reset(body, json), body); }},
   };
   std::set<std::string> taken;
   for_each_operation([&](const std::string& where, const nlohmann::json& operation) {
@@ -283,7 +284,8 @@ TEST(OpenapiSchema, HasEveryStatusAndReason) {
        {Status::kCollecting, Status::kAmbiguous, Status::kLocalized, Status::kLost}) {
     for (const Reason reason :
          {Reason::kNone, Reason::kNoReturns, Reason::kFewFeatures, Reason::kNoMotion,
-          Reason::kNoMatch, Reason::kFewEvidence, Reason::kContradicted}) {
+          Reason::kNoMatch, Reason::kFewEvidence, Reason::kContradicted,
+          Reason::kOdometryContradictsScans, Reason::kSearching, Reason::kPriorContradicted}) {
       Answer answer;
       answer.status = status;
       answer.reason = reason;
@@ -322,6 +324,8 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
   entry.maps = maps;
   entry.last_answer = &answer;
+  entry.region = StartRegion{
+      .map = "office", .center = {1.0, 2.0}, .radius_m = 3.0, .yaw = 0.5, .yaw_tolerance_rad = 0.8};
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
 }
 

@@ -393,6 +393,60 @@ TEST(CreateSession, AppliesOptionsToTheDefaults) {
   EXPECT_EQ(params_from_json(request.options_json).seed, request.params.seed);
 }
 
+Parsed<CreateSessionRequest> session_near(const std::string& near) {
+  return parse_create_session(
+      std::string(R"({"robot": "r2", "lidar": )") + kLidarText + R"(, "near": )" + near + "}",
+      BodyFormat::kJson);
+}
+
+TEST(CreateSession, TakesWhereTheRobotMayBe) {
+  EXPECT_FALSE(taken(session_near("null")).region.has_value());
+  EXPECT_EQ(taken(session_near(R"({"x": 1.5, "y": -2, "radius_m": 3})")).region,
+            (StartRegion{.center = {1.5, -2.0}, .radius_m = 3.0}));
+  EXPECT_EQ(taken(session_near(R"({"map": "a", "x": 1, "y": 2, "radius_m": 3, "yaw": 7,
+                                   "yaw_tolerance_rad": 0.25})"))
+                .region,
+            (StartRegion{.map = "a",
+                         .center = {1.0, 2.0},
+                         .radius_m = 3.0,
+                         .yaw = wrap_angle(7.0),
+                         .yaw_tolerance_rad = 0.25}));
+  EXPECT_EQ(
+      taken(session_near(R"({"x": 1, "y": 2, "radius_m": 3, "yaw": 0})")).region->yaw_tolerance_rad,
+      0.8);
+}
+
+TEST(CreateSession, SaysWhichMemberOfNearIsWrong) {
+  const auto pointer_of = [](const std::string& near) {
+    const auto parsed = session_near(near);
+    const auto* problem = std::get_if<Problem>(&parsed);
+    if (problem == nullptr || problem->errors.size() != 1) return std::string("not one error");
+    EXPECT_EQ(problem->status, 422);
+    return problem->errors.front().pointer;
+  };
+  EXPECT_EQ(pointer_of("5"), "/near");
+  EXPECT_EQ(pointer_of(R"({"y": 2, "radius_m": 3})"), "/near/x");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": "2", "radius_m": 3})"), "/near/y");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2})"), "/near/radius_m");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 0})"), "/near/radius_m");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "map": 7})"), "/near/map");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "yaw": "east"})"), "/near/yaw");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "yaw": 0, "yaw_tolerance_rad": 4})"),
+            "/near/yaw_tolerance_rad");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "yaw_tolerance_rad": 1})"),
+            "/near/yaw_tolerance_rad");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "z": 0})"), "/near/z");
+}
+
+TEST(Reset, TakesWhereTheRobotIsNowOrNothing) {
+  EXPECT_FALSE(taken(parse_reset("{}", BodyFormat::kJson)).region.has_value());
+  EXPECT_EQ(
+      taken(parse_reset(R"({"near": {"x": 1, "y": 2, "radius_m": 3}})", BodyFormat::kJson)).region,
+      (StartRegion{.center = {1.0, 2.0}, .radius_m = 3.0}));
+  const auto unknown = parse_reset(R"({"pose": {}})", BodyFormat::kJson);
+  EXPECT_EQ(std::get<Problem>(unknown).errors.front().pointer, "/pose");
+}
+
 TEST(Localize, TakesScansAndOptions) {
   const auto request = taken(parse_localize(
       std::string(R"({"lidar": )") + kLidarText +

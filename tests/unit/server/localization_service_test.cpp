@@ -199,6 +199,37 @@ TEST_F(LocalizationServiceTest, StartsAnewAfterAReset) {
   answer(process_, id, early);  // Its stamps lie before those of the last batch.
 }
 
+TEST_F(LocalizationServiceTest, ARegionRestrictsTheSearchUntilAReset) {
+  api::CreateSessionRequest request = session_of("cart-7");
+  const StartRegion region{.map = "office", .center = {5.0, 5.0}, .radius_m = 8.0};
+  request.region = region;
+  const std::string id = service_.create(request).value().value().id;
+  EXPECT_EQ(service_.find(id)->region, region);
+  answer(process_, id, batch(0));
+  EXPECT_EQ(service_.find(id)->region, region);
+  EXPECT_EQ(Process(file()).localization.find(id)->region, region) << "after a restart";
+  EXPECT_EQ(service_.list({}).value().sessions.front().region, region);
+  const StartRegion other{.center = {1.0, 5.0}, .radius_m = 1.0};
+  EXPECT_EQ(service_.reset(id, other)->region, other);
+  EXPECT_FALSE(service_.reset(id)->region.has_value());
+}
+
+TEST_F(LocalizationServiceTest, RefusesARegionInAMapThatIsNotSearched) {
+  make_map(process_, "hall");
+  api::CreateSessionRequest request = session_of("cart-7");
+  request.region = StartRegion{.map = "hall", .radius_m = 1.0};
+  const auto refused = service_.create(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/near/map");
+  request.maps.clear();
+  EXPECT_TRUE(service_.create(request)) << "every map is searched";
+  request.region->map = "nowhere";
+  EXPECT_EQ(service_.create(request).error().code, ErrorCode::kNotFound);
+  const std::string id = create(process_);
+  EXPECT_EQ(service_.reset(id, request.region).error().code, ErrorCode::kInvalidArgument);
+}
+
 TEST_F(LocalizationServiceTest, GoesOnAfterARestartAsIfThereHadBeenNone) {
   const std::string with = create(process_);
   const std::string without = create(process_);
