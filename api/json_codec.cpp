@@ -231,6 +231,9 @@ Json render_session(const SessionEntry& session) {
   json["near"] = render_start_region(session.region);
   json["created"] = session.created;
   json["last_seen"] = session.last_seen;
+  json["stale"] = session.is_stale;
+  json["superseded_by"] =
+      session.superseded_by.empty() ? Json(nullptr) : Json(session.superseded_by);
   json["expected"] = session.expected;
   json["status"] = to_string(session.status);
   json["last_answer"] = session.last_answer != nullptr ? *session.last_answer : Json(nullptr);

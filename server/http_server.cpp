@@ -223,6 +223,10 @@ Result<void> HttpServer::Impl::open_services() {
           .expired_before =
               [days = std::chrono::days(config.session_expiry_days)] {
                 return time_text(std::chrono::system_clock::now() - days);
+              },
+          .stale_before =
+              [silence = std::chrono::seconds(config.session_stale_s)] {
+                return time_text(std::chrono::system_clock::now() - silence);
               }});
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);

@@ -113,6 +113,14 @@ std::optional<RobotScan> newest_scan(const LocalizerState& state) {
                    .T_odom_base_link = std::nullopt};
 }
 
+/// Id of the newest session of a robot, if that is another one than `id`; else empty.
+Result<std::string> superseding(SessionStore& sessions, const std::string& robot,
+                                const std::string& id) {
+  auto newest = sessions.newest(robot);
+  if (newest && *newest == id) newest->clear();
+  return newest;
+}
+
 Error no_such_session(const std::string& id) {
   return {ErrorCode::kNotFound, "there is no session " + id, ""};
 }
@@ -142,6 +150,7 @@ struct LocalizationService::Session {
   double free_area_m2 = 0.0;           ///< Of all maps, as far as it is known.
   std::int64_t confirmed_map = 0;      ///< In which a confirmed pose is tracked, or 0.
   std::optional<double> search_begin;  ///< Stamp of the first scan of a search, while it lasts.
+  bool is_answered = false;            ///< Since it was made or reset.
   std::optional<RobotScan> last_scan;
   std::vector<Point2> feature_points;
   api::AnswerHistory history;
@@ -162,9 +171,13 @@ struct LocalizationService::Session {
             .region = localizer ? localizer->region() : stored_state.region,
             .expected_sequence = record.expected_sequence,
             .status = status,
-            .last_answer = record.last_answer,
+            .last_answer = is_answered ? record.last_answer : std::string(),
             .last_scan = last_scan,
             .feature_points = feature_points};
+  }
+
+  [[nodiscard]] std::optional<double> last_stamp() const {
+    return localizer ? localizer->last_stamp() : stored_state.last_stamp;
   }
 
   [[nodiscard]] LocalizerState state() const {
@@ -293,7 +306,21 @@ Result<std::optional<SessionView>> LocalizationService::create(
 Result<SessionView> LocalizationService::find(const std::string& id) {
   const auto session = lock(id);
   if (!session) return session.error();
-  return (*session)->view();
+  return view_of(**session);
+}
+
+Result<SessionView> LocalizationService::view_of(const Session& session) {
+  SessionView view = session.view();
+  view.is_stale = is_stale(view.last_seen);
+  auto newer = stores_->with_sessions(
+      [&](SessionStore& sessions) { return superseding(sessions, view.robot, view.id); });
+  if (!newer) return newer.error();
+  view.superseded_by = std::move(*newer);
+  return view;
+}
+
+bool LocalizationService::is_stale(const std::string& last_seen) const {
+  return settings_.stale_before && last_seen < settings_.stale_before();
 }
 
 Result<void> LocalizationService::visit(const std::string& id,
@@ -314,28 +341,41 @@ SessionCounts LocalizationService::count_by_status() {
 }
 
 Result<SessionList> LocalizationService::list(const SessionListRequest& request) {
-  auto records = stores_->with_session_list([&](SessionStore& sessions) {
-    return sessions.list(
-        {.robot = request.robot, .after = request.after, .limit = request.limit + 1});
-  });
+  std::vector<std::string> superseded_by;
+  auto records =
+      stores_->with_session_list([&](SessionStore& sessions) -> Result<std::vector<SessionRecord>> {
+        auto found = sessions.list(
+            {.robot = request.robot, .after = request.after, .limit = request.limit + 1});
+        if (!found) return found;
+        for (const SessionRecord& record : *found) {
+          auto newer = superseding(sessions, record.robot, record.id);
+          if (!newer) return newer.error();
+          superseded_by.push_back(std::move(*newer));
+        }
+        return found;
+      });
   if (!records) return records.error();
   SessionList list;
   if (records->size() > request.limit) {
     records->pop_back();
     list.next = records->back().number;
   }
-  for (SessionRecord& record : *records) {
+  for (std::size_t i = 0; i < records->size(); ++i) {
+    SessionRecord& record = (*records)[i];
+    const bool is_answered = record.state.scans > 0;
     list.sessions.push_back({.id = std::move(record.id),
                              .robot = std::move(record.robot),
                              .created = std::move(record.created),
-                             .last_seen = std::move(record.last_used),
+                             .last_seen = record.last_used,
+                             .is_stale = is_stale(record.last_used),
+                             .superseded_by = std::move(superseded_by[i]),
                              .maps = std::move(record.maps),
                              .lidar_json = std::move(record.lidar_json),
                              .options_json = std::move(record.options_json),
                              .region = std::move(record.state.region),
                              .expected_sequence = record.expected_sequence,
                              .status = record.state.status,
-                             .last_answer = std::move(record.last_answer)});
+                             .last_answer = is_answered ? std::move(record.last_answer) : ""});
   }
   return list;
 }
@@ -382,11 +422,12 @@ Result<SessionView> LocalizationService::reset(const std::string& id,
     session.confirmed_map = 0;
     session.search_begin.reset();
     session.status = Status::kCollecting;
+    session.is_answered = false;
     session.last_scan.reset();
     session.feature_points.clear();
     session.record.last_used = now;
     session.is_current = true;
-    return session.view();
+    return view_of(session);
   }
 }
 
@@ -419,11 +460,13 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
     if (expected > 0 && request.sequence == expected - 1) {
       const std::uint64_t known = session.record.last_batch;
       if (known != 0 && known != digest_of(request.scans)) {
-        return BatchOutcome{.expected_sequence = expected, .is_another_batch = true};
+        return BatchOutcome{.expected_sequence = expected,
+                            .is_another_batch = true,
+                            .last_stamp = session.last_stamp()};
       }
       return BatchOutcome{.answer = session.record.last_answer};
     }
-    return BatchOutcome{.expected_sequence = expected};
+    return BatchOutcome{.expected_sequence = expected, .last_stamp = session.last_stamp()};
   }
 }
 
@@ -455,6 +498,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   session.status = batch.answer.status;
   session.count_bytes();
   session.search_begin = search_begin;
+  session.is_answered = true;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
   session.is_current = true;
@@ -552,6 +596,7 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.status = session.stored_state.status;
   session.note_confirmed(session.stored_state);
   session.drop_localizer();
+  session.is_answered = session.stored_state.scans > 0;
   session.last_scan = newest_scan(session.stored_state);
   session.feature_points.clear();
   session.is_current = true;

@@ -25,6 +25,8 @@ Json session_json(const SessionView& view) {
                                       .maps = view.maps,
                                       .created = view.created,
                                       .last_seen = view.last_seen,
+                                      .is_stale = view.is_stale,
+                                      .superseded_by = view.superseded_by,
                                       .expected = view.expected_sequence,
                                       .lidar_json = view.lidar_json,
                                       .options_json = view.options_json,
@@ -140,12 +142,7 @@ class SessionRoutes {
     const auto& batch = std::get<api::SessionScansRequest>(parsed);
     const auto outcome = service().post_scans(id, batch);
     if (!outcome) return error_response(request, outcome.error());
-    if (outcome->is_another_batch) {
-      return another_batch(batch.sequence, *outcome->expected_sequence);
-    }
-    if (outcome->expected_sequence) {
-      return wrong_sequence(batch.sequence, *outcome->expected_sequence);
-    }
+    if (outcome->expected_sequence) return sequence_conflict(batch.sequence, *outcome);
     return text_response(request, 200, outcome->answer);
   }
 
@@ -200,27 +197,24 @@ class SessionRoutes {
     return std::nullopt;
   }
 
-  static Response wrong_sequence(std::uint64_t sequence, std::uint64_t expected) {
-    return sequence_conflict("The batch has sequence " + std::to_string(sequence) +
-                                 "; the session expects " + std::to_string(expected) + ".",
-                             expected);
-  }
-
-  static Response another_batch(std::uint64_t sequence, std::uint64_t expected) {
-    return sequence_conflict("Sequence " + std::to_string(sequence) +
-                                 " was answered for a batch with other scans; the session "
-                                 "expects " +
-                                 std::to_string(expected) + ".",
-                             expected);
-  }
-
-  static Response sequence_conflict(std::string detail, std::uint64_t expected) {
-    return problem_response(api::Problem{.status = 409,
-                                         .code = "sequence_conflict",
-                                         .title = "Wrong sequence",
-                                         .detail = std::move(detail),
-                                         .errors = {},
-                                         .extra_json = Json{{"expected", expected}}.dump()});
+  static Response sequence_conflict(std::uint64_t sequence, const BatchOutcome& outcome) {
+    const std::string expected = std::to_string(*outcome.expected_sequence);
+    const std::string detail =
+        outcome.is_another_batch
+            ? "Sequence " + std::to_string(sequence) +
+                  " was answered for a batch with other scans; the session expects " + expected +
+                  "."
+            : "The batch has sequence " + std::to_string(sequence) + "; the session expects " +
+                  expected + ".";
+    const Json last_stamp = outcome.last_stamp ? Json(*outcome.last_stamp) : Json(nullptr);
+    return problem_response(api::Problem{
+        .status = 409,
+        .code = "sequence_conflict",
+        .title = "Wrong sequence",
+        .detail = detail,
+        .errors = {},
+        .extra_json =
+            Json{{"expected", *outcome.expected_sequence}, {"last_stamp", last_stamp}}.dump()});
   }
 
   Services services_;

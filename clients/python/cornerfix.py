@@ -277,6 +277,10 @@ class Session:
     maps: Optional[Sequence[str]] = None
     """None: every map."""
     last_seen: str = ""
+    stale: bool = False
+    """Not seen for long: status and last answer are old."""
+    superseded_by: Optional[str] = None
+    """Id of a newer session of the robot."""
     last_answer: Optional[Answer] = None
     raw: Json = field(default_factory=dict, repr=False, compare=False)
 

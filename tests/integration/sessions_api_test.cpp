@@ -147,6 +147,29 @@ TEST_F(SessionsApiTest, SaysWhichSequenceItExpects) {
   EXPECT_EQ(post(id, 2).status, 200);
 }
 
+TEST_F(SessionsApiTest, AConflictHasTheStampOfTheLastScan) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Reply conflict = post(id, 3);
+  EXPECT_EQ(conflict.json()["expected"], 0);
+  EXPECT_EQ(conflict.json()["last_stamp"], nullptr);
+  post(id, 0);
+  conflict = post(id, 3);
+  EXPECT_EQ(conflict.status, 409);
+  EXPECT_EQ(conflict.json()["expected"], 1);
+  EXPECT_EQ(conflict.json()["last_stamp"], drive_.scans[2].scan.stamp);
+}
+
+TEST_F(SessionsApiTest, AnOlderSessionOfARobotIsSuperseded) {
+  const std::string old = testing::open_session(client_, "cart-7", "office");
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  EXPECT_EQ(client_.get("/v1/sessions/" + old).json()["superseded_by"], id);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json()["superseded_by"], nullptr);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json()["stale"], false);
+  const Json list = client_.get("/v1/sessions").json()["sessions"];
+  EXPECT_EQ(list[0]["superseded_by"], id);
+  EXPECT_EQ(post(old, 0).status, 200) << "it is answered as before";
+}
+
 TEST_F(SessionsApiTest, RefusesStampsThatDoNotIncrease) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   post(id, 0);
@@ -193,6 +216,7 @@ TEST_F(SessionsApiTest, ForgetsOnReset) {
   EXPECT_EQ(reset.status, 200);
   EXPECT_EQ(reset.json()["status"], "collecting");
   EXPECT_EQ(reset.json()["expected"], 9);
+  EXPECT_EQ(reset.json()["last_answer"], nullptr);
   Json early = testing::session_batch(drive_, 0);
   early["sequence"] = 9;
   EXPECT_EQ(post(id, early).status, 200);

@@ -324,6 +324,7 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
   entry.maps = maps;
   entry.last_answer = &answer;
+  entry.superseded_by = "t";
   entry.region = StartRegion{
       .map = "office", .center = {1.0, 2.0}, .radius_m = 3.0, .yaw = 0.5, .yaw_tolerance_rad = 0.8};
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());

@@ -448,6 +448,62 @@ TEST_F(LocalizationServiceTest, RemovesSessionsThatWereNotUsedForLong) {
   EXPECT_EQ(later.localization.find(id).error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(LocalizationServiceTest, ASessionThatIsSilentForLongIsStale) {
+  const std::string id = create(process_);
+  EXPECT_FALSE(service_.find(id)->is_stale);
+  const auto at = [this](const std::string& stale_before) {
+    return Process(file(), {}, {.stale_before = [=] { return stale_before; }});
+  };
+  Process soon = at("2024-05-01T12:00:00Z");
+  EXPECT_FALSE(soon.localization.find(id)->is_stale);
+  EXPECT_FALSE(soon.localization.list({}).value().sessions.front().is_stale);
+  Process later = at("2024-05-01T12:00:01Z");
+  EXPECT_TRUE(later.localization.find(id)->is_stale);
+  EXPECT_TRUE(later.localization.list({}).value().sessions.front().is_stale);
+}
+
+TEST_F(LocalizationServiceTest, NamesTheNewestSessionOfTheRobotInTheOlderOnes) {
+  const std::string first = create(process_);
+  EXPECT_EQ(service_.find(first)->superseded_by, "");
+  const std::string other = service_.create(session_of("cart-8")).value().value().id;
+  const std::string second = create(process_);
+  const std::string third = create(process_);
+  EXPECT_EQ(service_.find(first)->superseded_by, third);
+  EXPECT_EQ(service_.find(second)->superseded_by, third);
+  EXPECT_EQ(service_.find(third)->superseded_by, "");
+  EXPECT_EQ(service_.find(other)->superseded_by, "");
+  const auto sessions = service_.list({}).value().sessions;
+  ASSERT_EQ(sessions.size(), 4U);
+  EXPECT_EQ(sessions[0].superseded_by, third);
+  EXPECT_EQ(sessions[3].superseded_by, "");
+  ASSERT_TRUE(service_.remove(third));
+  EXPECT_EQ(service_.find(first)->superseded_by, second);
+}
+
+TEST_F(LocalizationServiceTest, AConflictHasTheStampOfTheLastScan) {
+  const std::string id = create(process_);
+  EXPECT_FALSE(service_.post_scans(id, batch(1))->last_stamp.has_value());
+  answer(process_, id, batch(0));
+  const double last = drive_.scans[2].scan.stamp;
+  EXPECT_EQ(service_.post_scans(id, batch(5))->last_stamp, last);
+  EXPECT_EQ(Process(file()).localization.post_scans(id, batch(5))->last_stamp, last);
+  auto other = batch(1);
+  other.sequence = 0;
+  EXPECT_EQ(service_.post_scans(id, other)->last_stamp, last);
+}
+
+TEST_F(LocalizationServiceTest, AfterAResetTheLastAnswerIsNoLongerShown) {
+  const std::string id = create(process_);
+  const std::string last = answer(process_, id, batch(0));
+  ASSERT_TRUE(service_.reset(id));
+  EXPECT_EQ(service_.find(id)->last_answer, "");
+  EXPECT_EQ(Process(file()).localization.find(id)->last_answer, "");
+  EXPECT_EQ(service_.list({}).value().sessions.front().last_answer, "");
+  EXPECT_EQ(answer(process_, id, batch(0)), last) << "but comes again for a batch that was lost";
+  const std::string next = answer(process_, id, batch(1));
+  EXPECT_EQ(service_.find(id)->last_answer, next);
+}
+
 TEST_F(LocalizationServiceTest, ListsSessionsInPages) {
   std::vector<std::string> ids;
   for (int i = 0; i < 3; ++i) ids.push_back(create(process_));
