@@ -226,7 +226,10 @@ Json render_session(const SessionEntry& session) {
   Json json = {{"id", session.id}, {"robot", session.robot}};
   json["map"] = one_map ? Json(session.maps.front()) : Json(nullptr);
   json["maps"] = session.maps.empty() ? Json(nullptr) : Json(session.maps);
-  json["lidar"] = stored(session.lidar_json);
+  const Json lidar = stored(session.lidar_json);
+  const bool has_several = lidar.contains("lidars");
+  json["lidar"] = has_several ? Json(nullptr) : lidar;
+  json["lidars"] = has_several ? lidar["lidars"] : Json(nullptr);
   json["options"] = params_to_json(params_from_json(session.options_json));
   json["near"] = render_start_region(session.region);
   json["created"] = session.created;

@@ -96,7 +96,7 @@ struct SessionEntry {
   std::string_view superseded_by;     ///< Id of a newer session of the robot; empty: none.
   std::uint64_t expected = 0;         ///< Sequence of the next batch.
   Status status = Status::kCollecting;
-  std::string_view lidar_json;
+  std::string_view lidar_json;  ///< As made by lidars_to_json().
   std::string_view options_json;
   std::optional<StartRegion> region;  ///< While it restricts the search.
   const Json* last_answer = nullptr;  ///< Null before the first batch, also after a reset.

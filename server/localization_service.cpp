@@ -43,8 +43,11 @@ std::string make_session_id() {
 }
 
 /// Stamps within a batch increase already; a batch must also begin after the one before it.
-std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp) {
+/// Scans of two lidars may have the same stamp.
+std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp,
+                                 const api::Lidars& lidars) {
   if (!last_stamp || first.scan.stamp > *last_stamp) return std::nullopt;
+  if (lidars.by_name.size() > 1 && first.scan.stamp == *last_stamp) return std::nullopt;
   return Error{
       ErrorCode::kInvalidArgument,
       fmt::format("stamp {} is not after {}, the session's last", first.scan.stamp, *last_stamp),
@@ -138,7 +141,7 @@ struct LocalizationService::Session {
 
   std::mutex mutex;
   SessionRecord record;  ///< Without the state.
-  api::Lidar lidar;
+  api::Lidars lidars;
   LocalizerParams params;
   std::atomic<Status> status = Status::kCollecting;  ///< Counted without the mutex.
   std::atomic<std::size_t> bytes = 0;                ///< Of the localizer; read without the mutex.
@@ -434,7 +437,7 @@ Result<SessionView> LocalizationService::reset(const std::string& id,
 Result<SessionHead> LocalizationService::head(const std::string& id) {
   const auto session = lock(id);
   if (!session) return session.error();
-  return SessionHead{(*session)->record.robot, (*session)->lidar};
+  return SessionHead{(*session)->record.robot, (*session)->lidars};
 }
 
 Result<std::deque<api::PastAnswer>> LocalizationService::history(const std::string& id) {
@@ -474,7 +477,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                      const api::SessionScansRequest& request) {
   if (auto ready = use_current_maps(session); !ready) return ready.error();
   const auto last_stamp = session.localizer->last_stamp();
-  if (auto error = check_stamp(request.scans.front(), last_stamp)) return *error;
+  if (auto error = check_stamp(request.scans.front(), last_stamp, session.lidars)) return *error;
 
   session.is_current = false;  // Until the store has the batch too.
   std::optional<double> search_begin = session.search_begin;
@@ -583,9 +586,9 @@ Result<void> LocalizationService::refresh(Session& session) {
                             record.state.scans == session.localizer->state().scans &&
                             record.state.region == session.localizer->region();
   if (is_unchanged) return {};
-  const auto lidar = api::lidar_from_json(record.lidar_json);
-  if (!lidar) return Error{ErrorCode::kCorruptData, "session " + id + " has no lidar", ""};
-  session.lidar = *lidar;
+  auto lidars = api::lidars_from_json(record.lidar_json);
+  if (!lidars) return Error{ErrorCode::kCorruptData, "session " + id + " has a wrong lidar", ""};
+  session.lidars = std::move(*lidars);
   session.params = api::params_from_json(record.options_json);
   session.stored_state = std::exchange(record.state, {});
   session.record = std::move(record);

@@ -85,7 +85,7 @@ using BatchListener = std::function<void(const BatchOrigin&, const BatchEvents&,
 /// What is needed to read a session's batch.
 struct SessionHead {
   std::string robot;
-  api::Lidar lidar;
+  api::Lidars lidars;
 };
 
 /// What came of a batch.

@@ -137,7 +137,7 @@ class SessionRoutes {
     if (!head) return error_response(request, head.error());
     if (!request.principal.may_see(head->robot)) return forbidden_robot();
     const auto parsed =
-        api::parse_session_scans(request.body, request.body_format, head->lidar, services_.limits);
+        api::parse_session_scans(request.body, request.body_format, head->lidars, services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::SessionScansRequest>(parsed);
     const auto outcome = service().post_scans(id, batch);

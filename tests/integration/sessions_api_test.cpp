@@ -272,6 +272,65 @@ TEST_F(SessionsApiTest, PointsToWhatIsWrongWithNear) {
   EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
 }
 
+/// A scan of a full turn as two lidars of half a turn would have taken it.
+Json halves_of(const Json& scan) {
+  const Json& ranges = scan["ranges"];
+  const std::size_t beams = ranges.size();
+  Json front = scan;
+  Json rear = scan;
+  front["lidar"] = "front";
+  rear["lidar"] = "rear";
+  front["ranges"] = rear["ranges"] = Json::array();
+  for (std::size_t i = 0; i < beams / 2; ++i) {
+    front["ranges"].push_back(ranges[beams / 4 + i]);
+    rear["ranges"].push_back(ranges[(3 * beams / 4 + i) % beams]);
+  }
+  return Json::array({front, rear});
+}
+
+TEST_F(SessionsApiTest, FindsARobotWithTwoLidars) {
+  Json request = testing::session_request("cart-7", "office");
+  Json half = request["lidar"];
+  half["angle_min"] = half["angle_min"].get<double>() / 2.0;
+  request.erase("lidar");
+  request["lidars"] = {{"front", half}, {"rear", half}};
+  request["lidars"]["rear"]["mount"] = testing::pose_json({0.0, 0.0, 3.14159265});
+  const Reply opened = client_.post("/v1/sessions", request);
+  ASSERT_EQ(opened.status, 201) << opened.body;
+  EXPECT_EQ(opened.json()["lidar"], nullptr);
+  EXPECT_EQ(opened.json()["lidars"].size(), 2U);
+  Json answer;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    Json batch = testing::session_batch(drive_, i);
+    Json scans = Json::array();
+    for (const Json& scan : batch["scans"]) {
+      for (const Json& one : halves_of(scan)) scans.push_back(one);
+    }
+    batch["scans"] = scans;
+    const Reply reply = post(opened.json()["id"], batch);
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    answer = reply.json();
+  }
+  ASSERT_EQ(answer["status"], "localized") << answer.dump(1);
+  EXPECT_NEAR(answer["pose"]["x"], drive_.T_map_base_link.back().x, 0.1);
+  EXPECT_NEAR(answer["pose"]["y"], drive_.T_map_base_link.back().y, 0.1);
+}
+
+TEST_F(SessionsApiTest, NeedsNoLidarWhenScansBringTheirGeometry) {
+  Json request = testing::session_request("cart-7", "office");
+  const Json lidar = request["lidar"];
+  request.erase("lidar");
+  const Reply opened = client_.post("/v1/sessions", request);
+  ASSERT_EQ(opened.status, 201) << opened.body;
+  EXPECT_EQ(opened.json()["lidar"], nullptr);
+  Json batch = testing::session_batch(drive_, 0);
+  const Reply refused = post(opened.json()["id"], batch);
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/lidar");
+  for (Json& scan : batch["scans"]) scan.update(lidar);
+  EXPECT_EQ(post(opened.json()["id"], batch).status, 200);
+}
+
 TEST_F(SessionsApiTest, RefusesABatchWhenTheMapWasDeleted) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   post(id, 0);

@@ -38,9 +38,10 @@ enum class Reason {
   kOdometryContradictsScans,  ///< As kContradicted, and odometry is ignored.
   kSearching,                 ///< The search of the maps continues at the next scan.
   kPriorContradicted,         ///< No pose in the start region fits what was seen.
+  kMirroredScans,             ///< What was seen fits only in a mirror: the lidar hangs upside down.
 };
 /// States of localizers are stored with reasons: new ones come last.
-inline constexpr Reason kLastReason = Reason::kPriorContradicted;
+inline constexpr Reason kLastReason = Reason::kMirroredScans;
 
 /// How far the answer relied on the robot's odometry.
 enum class OdometryUse {

@@ -5,6 +5,7 @@
 #include <cornerfix/corners.hpp>
 #include <cornerfix/descriptor.hpp>
 #include <cornerfix/laser_scan.hpp>
+#include <cornerfix/levelling.hpp>
 #include <cornerfix/localizability.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer.hpp>

@@ -23,7 +23,7 @@ struct LocalizerState {
   std::uint64_t next_index = 0;      ///< Of the next scan to join the submap.
   std::uint64_t scans = 0;           ///< Processed since the reset; seeds the random draws.
   Pose2 T_submap_base_link;          ///< At the last scan.
-  Pose2 last_motion;                 ///< Between the last two scans, for constant velocity,
+  Pose2 last_motion;                 ///< Between the last two scans of a laser,
   double last_interval_s = 0.0;      ///< and the time between them; 0 when not known.
   std::optional<double> last_stamp;  ///< [s]
   std::optional<Pose2> last_T_odom_base_link;
@@ -60,7 +60,8 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Takes one scan. Stamps must increase from call to call until reset() (asserted).
+  /// Takes one scan. Stamps must not decrease from call to call until reset() (asserted), and those
+  /// of one laser must increase. A robot may have several lasers, known by T_base_link_laser.
   [[nodiscard]] Answer process(const RobotScan& scan);
 
   /// The robot was carried: forgets the pose and the submap. With a region, base_link is there at

@@ -38,6 +38,8 @@ std::string_view to_string(Reason reason) {
       return "searching";
     case Reason::kPriorContradicted:
       return "prior_contradicted";
+    case Reason::kMirroredScans:
+      return "mirrored_scans";
   }
   return "";
 }

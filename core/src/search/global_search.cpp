@@ -33,7 +33,9 @@ constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when no pose can be accepted now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
 constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
-constexpr double kMirrorMargin = 0.05;  // by which what was seen must fit better than its image
+constexpr double kMinMirrorWeight = 0.1;  // of a mirror image that explains what was seen [nat]
+constexpr double kMirrorBudgets = 5.0;    // work of a search for it, in budgets of one scan
+constexpr double kMirrorMargin = 0.05;    // by which what was seen must fit better than its image
 
 double free_area_of(GlobalSearch::Maps maps) {
   double area = 0.0;
@@ -164,6 +166,10 @@ void GlobalSearch::verify(Maps maps, const View& view) {
   if (!whole_) rival_margin_ = kRivalMargin;  // of no search yet
   if (!whole_ && search_due(maps, view)) begin_search(maps, view);
   searched_ = whole_ && continue_search(view);
+  if (searched_) {
+    const bool is_hopeless = candidates_.empty() || !candidates_.may_be_accepted();
+    only_mirror_image_fits_ = is_hopeless && has_mirror_image(maps, view, area_m2);
+  }
 }
 
 bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked, bool search_maps) {
@@ -341,6 +347,31 @@ std::vector<std::size_t> GlobalSearch::likeliest_last(std::size_t maps) const {
 double GlobalSearch::optimistic_mean(Maps maps, const View& view, const Candidate& place) {
   return maps[place.map]->index().place_search.mean_weight(
       view.evidence.ends, view.way, PlaceSearchParams{}.max_points, place.T_map_base_link);
+}
+
+/// Whether a map explains the mirror image of what was seen, and clearly better than the best
+/// candidate explains what was seen.
+bool GlobalSearch::has_mirror_image(Maps maps, const View& view, double free_area_m2) const {
+  if (maps.size() > kFewMaps && !region_) return false;
+  const View image = mirrored(view);
+  const PlaceSearchParams search{.region =
+                                     region_ ? std::optional(region_->mirrored()) : std::nullopt};
+  Candidates images(params_.acceptance);
+  images.set_free_area(free_area_m2);
+  WorkBudget budget(kMirrorBudgets * params_.search_budget_ms);
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    if (!may_be_in(*maps[map])) continue;
+    PlaceSearch::Run run(maps[map]->index().place_search, image.evidence.ends, image.way, search);
+    if (const auto place = run.next(kMinMirrorWeight, budget))
+      images.consider(*maps[map], image, {map, place->T_map_base_link, 0, 0, {}});
+  }
+  if (images.empty()) return false;
+  const EvidenceScore& best = images.best().score;
+  const double fit =
+      candidates_.empty() ? kMinPlaceWeight * best.ends : candidates_.best().score.fit;
+  return best.fit >= fit + kMirrorMargin * best.ends &&
+         images.terms_without_rivals(kRivalMargin).probability_explained >=
+             params_.acceptance.min_probability;
 }
 
 bool GlobalSearch::mirror_image_fits_better(Maps maps, const View& view) const {

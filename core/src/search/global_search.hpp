@@ -67,6 +67,8 @@ class GlobalSearch {
   /// Whether the best candidate's map holds the mirror image of what was seen, and better: then
   /// what was seen is symmetric, or the lidar is mounted upside down.
   [[nodiscard]] bool mirror_image_fits_better(Maps maps, const View& view) const;
+  /// Whether the last search that found nothing to accept found the mirror image of what was seen.
+  [[nodiscard]] bool only_mirror_image_fits() const { return only_mirror_image_fits_; }
 
  private:
   /// When something was last done: by how much was seen and driven then.
@@ -126,6 +128,7 @@ class GlobalSearch {
   [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
   void look_by_corners(std::size_t map, const View& view, double min_mean_weight);
   [[nodiscard]] double margin_to_look_at() const;
+  [[nodiscard]] bool has_mirror_image(Maps maps, const View& view, double free_area_m2) const;
   [[nodiscard]] std::vector<std::size_t> likeliest_last(std::size_t maps) const;
   /// The weight of a candidate in a search.
   [[nodiscard]] static double optimistic_mean(Maps maps, const View& view, const Candidate& place);
@@ -140,6 +143,7 @@ class GlobalSearch {
   Moment matched_;
   Moment searched_at_;
   bool searched_ = false;
+  bool only_mirror_image_fits_ = false;
   double rival_margin_ = kRivalMargin;  ///< Farther below the best, a hit, none was looked for.
 };
 

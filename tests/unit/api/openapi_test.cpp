@@ -285,7 +285,8 @@ TEST(OpenapiSchema, HasEveryStatusAndReason) {
     for (const Reason reason :
          {Reason::kNone, Reason::kNoReturns, Reason::kFewFeatures, Reason::kNoMotion,
           Reason::kNoMatch, Reason::kFewEvidence, Reason::kContradicted,
-          Reason::kOdometryContradictsScans, Reason::kSearching, Reason::kPriorContradicted}) {
+          Reason::kOdometryContradictsScans, Reason::kSearching, Reason::kPriorContradicted,
+          Reason::kMirroredScans}) {
       Answer answer;
       answer.status = status;
       answer.reason = reason;
@@ -328,6 +329,15 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
   entry.region = StartRegion{
       .map = "office", .center = {1.0, 2.0}, .radius_m = 3.0, .yaw = 0.5, .yaw_tolerance_rad = 0.8};
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
+  Lidars lidars;
+  lidars.by_name["front"] = {-1.0, 0.5, 0.1, 10.0, {}, {}};
+  lidars.by_name["front"].tilt = {.roll = 3.1, .pitch = 0.1};
+  const std::string several = lidars_to_json(lidars);
+  entry.lidar_json = several;
+  const Json session = render_session(entry);
+  EXPECT_THAT(misfits("Session", session), IsEmpty());
+  EXPECT_TRUE(session["lidar"].is_null());
+  EXPECT_EQ(session["lidars"]["front"]["mount"]["pitch"], 0.1);
 }
 
 TEST(OpenapiSchema, IsWhatProblemsFit) {

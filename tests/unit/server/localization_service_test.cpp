@@ -24,11 +24,13 @@ class LocalizationServiceTest : public ServiceTest {
     api::CreateSessionRequest request;
     request.robot = robot;
     request.maps = std::move(maps);
-    request.lidar.angle_min = scan.angle_min;
-    request.lidar.angle_increment = scan.angle_increment;
-    request.lidar.range_min = scan.range_min;
-    request.lidar.range_max = scan.range_max;
-    request.lidar_json = api::lidar_to_json(request.lidar);
+    request.lidars.only = api::Lidar{.angle_min = scan.angle_min,
+                                     .angle_increment = scan.angle_increment,
+                                     .range_min = scan.range_min,
+                                     .range_max = scan.range_max,
+                                     .beams = {},
+                                     .T_base_link_laser = {}};
+    request.lidar_json = api::lidars_to_json(request.lidars);
     return request;
   }
 
