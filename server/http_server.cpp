@@ -427,7 +427,9 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   if (auto refusal = refuse(exchange, route->access)) return *refusal;
   request.captures = std::move(captures);
   request.query = {raw.params.begin(), raw.params.end()};
-  request.answer_format = best_format(raw.get_header_value("Accept"));
+  const AnswerFormat answer = best_format(raw.get_header_value("Accept"));
+  request.answer_format = answer.body;
+  request.answer_profile = answer.profile;
   request.if_none_match = raw.get_header_value("If-None-Match");
   if (may_have_body(raw.method)) {
     if (auto refusal = take_body(exchange, route->body, config.max_body_bytes)) return *refusal;

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/answer_history.hpp"
+#include "api/answer_profiles.hpp"
 #include "api/json_codec.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
@@ -34,6 +35,22 @@ Json session_json(const SessionView& view) {
                                       .last_answer = answer.is_null() ? nullptr : &answer});
   session["status"] = to_string(view.status);
   return session;
+}
+
+/// Names the profile that a document was written in.
+Response profiled(const Request& request, Response response) {
+  if (request.answer_profile != api::AnswerProfile::kPlain)
+    response.content_type += "; profile=" + std::string(to_string(request.answer_profile));
+  return response;
+}
+
+/// A rendered answer, in the profile that was asked for.
+Response answer_response(const Request& request, const std::string& answer) {
+  if (request.answer_profile == api::AnswerProfile::kPlain)
+    return text_response(request, 200, answer);
+  return profiled(request,
+                  document_response(request, 200,
+                                    api::in_profile(Json::parse(answer), request.answer_profile)));
 }
 
 constexpr std::size_t kDefaultPage = 100;
@@ -110,7 +127,9 @@ class SessionRoutes {
     const auto view = service().find(request.captures[0]);
     if (!view) return error_response(request, view.error());
     if (!request.principal.may_see(view->robot)) return forbidden_robot();
-    return document_response(request, 200, session_json(*view));
+    return profiled(request, document_response(request, 200,
+                                               api::session_in_profile(session_json(*view),
+                                                                       request.answer_profile)));
   }
 
   Response remove(const Request& request) {
@@ -143,7 +162,7 @@ class SessionRoutes {
     const auto outcome = service().post_scans(id, batch);
     if (!outcome) return error_response(request, outcome.error());
     if (outcome->expected_sequence) return sequence_conflict(batch.sequence, *outcome);
-    return text_response(request, 200, outcome->answer);
+    return answer_response(request, outcome->answer);
   }
 
   Response localize(const Request& request) {
@@ -156,7 +175,7 @@ class SessionRoutes {
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto answer = service().localize(map, std::get<api::LocalizeRequest>(parsed));
     if (!answer) return error_response(request, answer.error());
-    return text_response(request, 200, *answer);
+    return answer_response(request, *answer);
   }
 
   Response history(const Request& request) {

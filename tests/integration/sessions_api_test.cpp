@@ -331,6 +331,29 @@ TEST_F(SessionsApiTest, NeedsNoLidarWhenScansBringTheirGeometry) {
   EXPECT_EQ(post(opened.json()["id"], batch).status, 200);
 }
 
+TEST_F(SessionsApiTest, GivesAnswersInTheShapesOfRosAndVda5050) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  for (std::uint64_t i = 0; i < 10; ++i) post(id, i);
+  const auto get_as = [&](const std::string& profile) {
+    return client_.get("/v1/sessions/" + id, {{"Accept", "application/json; profile=" + profile}});
+  };
+  const Json pose = client_.get("/v1/sessions/" + id).json()["last_answer"]["pose"];
+  ASSERT_FALSE(pose.is_null());
+  const Reply ros = get_as("ros");
+  EXPECT_EQ(ros.header("content-type"), "application/json; profile=ros");
+  EXPECT_EQ(ros.json()["last_answer"]["pose"]["pose"]["pose"]["position"]["x"], pose["x"]);
+  const Reply vda = get_as("vda5050");
+  EXPECT_EQ(vda.header("content-type"), "application/json; profile=vda5050");
+  EXPECT_EQ(vda.json()["agvPosition"]["x"], pose["x"]);
+  EXPECT_EQ(vda.json()["agvPosition"]["localized"], true);
+  EXPECT_THAT(vda.json()["errors"], IsEmpty());
+  const std::string again = testing::session_batch(drive_, 9).dump();
+  const Reply batch =
+      client_.send("POST", "/v1/sessions/" + id + "/scans", again, "application/json",
+                   {{"Accept", "application/json; profile=vda5050"}});
+  EXPECT_EQ(batch.json()["agvPosition"], vda.json()["agvPosition"]);
+}
+
 TEST_F(SessionsApiTest, RefusesABatchWhenTheMapWasDeleted) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   post(id, 0);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "api/answer_profiles.hpp"
 #include "api/json_codec.hpp"
 #include "api/params_codec.hpp"
 #include "api/problem.hpp"
@@ -338,6 +339,24 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
   EXPECT_THAT(misfits("Session", session), IsEmpty());
   EXPECT_TRUE(session["lidar"].is_null());
   EXPECT_EQ(session["lidars"]["front"]["mount"]["pitch"], 0.1);
+}
+
+TEST(OpenapiSchema, IsWhatProfilesFit) {
+  const auto map = std::make_shared<const LocalizationMap>("office", 7, MapContent{});
+  Answer answer;
+  const Json nothing = render_answer(answer, {"s", 0, 0.0});
+  answer.status = Status::kLocalized;
+  answer.pose = LocalizedPose{map, {1.0, 2.0, 3.0}, {}};
+  answer.hypotheses = {{.map = map,
+                        .T_map_base_link = {1.0, 2.0, 3.0},
+                        .votes = 4,
+                        .inliers = 5,
+                        .score = 0.5,
+                        .evidence = {}}};
+  for (const Json& one : {nothing, render_answer(answer, {"s", 3, 12.5})}) {
+    EXPECT_THAT(misfits("RosAnswer", in_profile(one, AnswerProfile::kRos)), IsEmpty());
+    EXPECT_THAT(misfits("Vda5050State", in_profile(one, AnswerProfile::kVda5050)), IsEmpty());
+  }
 }
 
 TEST(OpenapiSchema, IsWhatProblemsFit) {
