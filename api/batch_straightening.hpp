@@ -7,8 +7,8 @@
 
 namespace cornerfix::api {
 
-/// By the motion to the next scan of the batch, or else from the one before: of `odom`, or else of
-/// `pose`. A scan whose motion is not known stays as it is.
-void straighten(std::vector<BatchScan>& scans, const Pose2& T_base_link_laser);
+/// By the motion to the next scan of the same laser, or else from the one before: of `odom`, or
+/// else of `pose`. A scan whose motion is not known stays as it is.
+void straighten(std::vector<BatchScan>& scans);
 
 }  // namespace cornerfix::api

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "api/params_codec.hpp"
+#include "api/start_region_codec.hpp"
 
 namespace cornerfix::api {
 namespace {
@@ -133,6 +134,7 @@ Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
   for (const RankedHypothesis& hypothesis : answer.hypotheses) {
     json["hypotheses"].push_back(hypothesis_json(hypothesis));
   }
+  json["given"] = answer.is_given_region ? Json("near") : Json(nullptr);
   json["explanation"] = explanation_json(answer);
   json["reason"] = answer.reason == Reason::kNone ? Json(nullptr) : Json(to_string(answer.reason));
   json["odometry"] =
@@ -224,10 +226,17 @@ Json render_session(const SessionEntry& session) {
   Json json = {{"id", session.id}, {"robot", session.robot}};
   json["map"] = one_map ? Json(session.maps.front()) : Json(nullptr);
   json["maps"] = session.maps.empty() ? Json(nullptr) : Json(session.maps);
-  json["lidar"] = stored(session.lidar_json);
+  const Json lidar = stored(session.lidar_json);
+  const bool has_several = lidar.contains("lidars");
+  json["lidar"] = has_several ? Json(nullptr) : lidar;
+  json["lidars"] = has_several ? lidar["lidars"] : Json(nullptr);
   json["options"] = params_to_json(params_from_json(session.options_json));
+  json["near"] = render_start_region(session.region);
   json["created"] = session.created;
   json["last_seen"] = session.last_seen;
+  json["stale"] = session.is_stale;
+  json["superseded_by"] =
+      session.superseded_by.empty() ? Json(nullptr) : Json(session.superseded_by);
   json["expected"] = session.expected;
   json["status"] = to_string(session.status);
   json["last_answer"] = session.last_answer != nullptr ? *session.last_answer : Json(nullptr);

@@ -91,12 +91,15 @@ struct SessionEntry {
   std::string_view robot;
   std::span<const std::string> maps;  ///< As asked for; empty: every map.
   std::string_view created;           ///< RFC 3339.
-  std::string_view last_seen;         ///< When it took its last batch, or was created.
+  std::string_view last_seen;         ///< When it took its last batch, was reset or created.
+  bool is_stale = false;              ///< Not seen for long.
+  std::string_view superseded_by;     ///< Id of a newer session of the robot; empty: none.
   std::uint64_t expected = 0;         ///< Sequence of the next batch.
   Status status = Status::kCollecting;
-  std::string_view lidar_json;
+  std::string_view lidar_json;  ///< As made by lidars_to_json().
   std::string_view options_json;
-  const Json* last_answer = nullptr;  ///< Null before the first batch.
+  std::optional<StartRegion> region;  ///< While it restricts the search.
+  const Json* last_answer = nullptr;  ///< Null before the first batch, also after a reset.
 };
 /// `options` are all that are in force, defaults too.
 [[nodiscard]] Json render_session(const SessionEntry& session);

@@ -12,6 +12,7 @@
 #include "api/json_field.hpp"
 #include "api/params_codec.hpp"
 #include "api/scan_batch.hpp"
+#include "api/start_region_codec.hpp"
 
 namespace cornerfix::api {
 namespace {
@@ -36,24 +37,22 @@ Parsed<Request> parse(std::string_view body, BodyFormat format, const RequestLim
   return request;
 }
 
-RobotScan to_robot_scan(BatchScan&& scan, const Pose2& T_base_link_laser) {
+RobotScan to_robot_scan(BatchScan&& scan) {
   return {.scan = std::move(scan.scan),
-          .T_base_link_laser = T_base_link_laser,
+          .T_base_link_laser = scan.T_base_link_laser,
           .T_odom_base_link = scan.T_odom_base_link};
 }
 
-PosedScan to_posed_scan(BatchScan&& scan, const Pose2& T_base_link_laser) {
+PosedScan to_posed_scan(BatchScan&& scan) {
   return {.scan = std::move(scan.scan),
-          .T_base_link_laser = T_base_link_laser,
+          .T_base_link_laser = scan.T_base_link_laser,
           .T_map_base_link = scan.T_map_base_link.value_or(Pose2{})};
 }
 
 std::vector<RobotScan> to_robot_scans(ScanBatch&& batch) {
   std::vector<RobotScan> scans;
   scans.reserve(batch.scans.size());
-  for (BatchScan& scan : batch.scans) {
-    scans.push_back(to_robot_scan(std::move(scan), batch.T_base_link_laser()));
-  }
+  for (BatchScan& scan : batch.scans) scans.push_back(to_robot_scan(std::move(scan)));
   return scans;
 }
 
@@ -228,9 +227,7 @@ Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format
           request.unposed_scans = to_robot_scans(std::move(batch));
           return;
         }
-        for (BatchScan& scan : batch.scans) {
-          request.scans.push_back(to_posed_scan(std::move(scan), batch.T_base_link_laser()));
-        }
+        for (BatchScan& scan : batch.scans) request.scans.push_back(to_posed_scan(std::move(scan)));
       });
 }
 
@@ -252,22 +249,29 @@ Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat for
 
 Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFormat format) {
   return parse<CreateSessionRequest>(
-      body, format, {}, {"robot", "map", "maps", "lidar", "options"},
+      body, format, {}, {"robot", "map", "maps", "lidar", "lidars", "near", "options"},
       [](const JsonField& root, Document& /*document*/, CreateSessionRequest& request) {
         if (const auto robot = root.require("robot", "the robot's name")) {
           request.robot = robot->as_name().value_or("");
         }
         read_maps(root, request.maps);
-        if (const auto field = root.require("lidar", "the geometry of the scans")) {
-          request.lidar = read_lidar(*field).value_or(Lidar{});
-          request.lidar_json = lidar_to_json(request.lidar);
-        }
+        request.lidars = read_lidars(root);
+        request.lidar_json = lidars_to_json(request.lidars);
+        if (const auto near = root.find("near")) request.region = read_start_region(*near);
         read_options(root, request.params, &request.options_json);
       });
 }
 
+Parsed<ResetRequest> parse_reset(std::string_view body, BodyFormat format) {
+  return parse<ResetRequest>(
+      body, format, {}, {"near"},
+      [](const JsonField& root, Document& /*document*/, ResetRequest& request) {
+        if (const auto near = root.find("near")) request.region = read_start_region(*near);
+      });
+}
+
 Parsed<SessionScansRequest> parse_session_scans(std::string_view body, BodyFormat format,
-                                                const Lidar& lidar, const RequestLimits& limits) {
+                                                const Lidars& lidars, const RequestLimits& limits) {
   return parse<SessionScansRequest>(
       body, format, limits, {"sequence", "lidar", "scans"},
       [&](const JsonField& root, Document& document, SessionScansRequest& request) {
@@ -276,7 +280,7 @@ Parsed<SessionScansRequest> parse_session_scans(std::string_view body, BodyForma
           request.sequence = sequence->as_count(0, kMost).value_or(0);
         }
         request.scans = to_robot_scans(
-            read_scan_batch(document, lidar, StampOrder::kIncreasing, MapPose::kRefused));
+            read_scan_batch(document, lidars, StampOrder::kIncreasing, MapPose::kRefused));
       });
 }
 
@@ -286,12 +290,14 @@ Parsed<LocalizeRequest> parse_localize(std::string_view body, BodyFormat format,
       body, format, limits, {"lidar", "scans", "options"},
       [](const JsonField& root, Document& document, LocalizeRequest& request) {
         request.scans = to_robot_scans(
-            read_scan_batch(document, std::nullopt, StampOrder::kIncreasing, MapPose::kRefused));
+            read_scan_batch(document, Lidars(), StampOrder::kIncreasing, MapPose::kRefused));
         read_options(root, request.params, nullptr);
       });
 }
 
-std::string lidar_to_json(const Lidar& lidar) {
+namespace {
+
+nlohmann::ordered_json lidar_document(const Lidar& lidar) {
   nlohmann::ordered_json json = {{"angle_min", lidar.angle_min},
                                  {"angle_increment", lidar.angle_increment},
                                  {"range_min", lidar.range_min},
@@ -301,6 +307,20 @@ std::string lidar_to_json(const Lidar& lidar) {
   if (lidar.time_increment != 0.0) json["time_increment"] = lidar.time_increment;
   const Pose2& mount = lidar.T_base_link_laser;
   json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
+  if (lidar.tilt.roll != 0.0) json["mount"]["roll"] = lidar.tilt.roll;
+  if (lidar.tilt.pitch != 0.0) json["mount"]["pitch"] = lidar.tilt.pitch;
+  return json;
+}
+
+}  // namespace
+
+std::string lidar_to_json(const Lidar& lidar) { return lidar_document(lidar).dump(); }
+
+std::string lidars_to_json(const Lidars& lidars) {
+  if (lidars.only) return lidar_to_json(*lidars.only);
+  if (lidars.by_name.empty()) return "";
+  nlohmann::ordered_json json;
+  for (const auto& [name, lidar] : lidars.by_name) json["lidars"][name] = lidar_document(lidar);
   return json.dump();
 }
 
@@ -332,6 +352,19 @@ bool is_put_map_request(std::string_view description, std::string_view lidar_jso
 std::optional<Lidar> lidar_from_json(std::string_view lidar_json) {
   const StoredText stored(lidar_json);
   return stored.root.is_object() ? read_lidar(stored.field) : std::nullopt;
+}
+
+std::optional<Lidars> lidars_from_json(std::string_view lidars_json) {
+  if (lidars_json.empty()) return Lidars();
+  const StoredText stored(lidars_json);
+  if (!stored.root.is_object()) return std::nullopt;
+  Lidars lidars;
+  if (stored.root.contains("lidars")) {
+    lidars = read_lidars(stored.field);
+  } else {
+    lidars.only = read_lidar(stored.field);
+  }
+  return stored.errors.empty() ? std::optional(std::move(lidars)) : std::nullopt;
 }
 
 LocalizerParams params_from_json(std::string_view options_json) {

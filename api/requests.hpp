@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,8 +15,10 @@
 #include <vector>
 
 #include <cornerfix/laser_scan.hpp>
+#include <cornerfix/levelling.hpp>
 #include <cornerfix/localizer_params.hpp>
 #include <cornerfix/mapper.hpp>
+#include <cornerfix/start_region.hpp>
 
 #include "api/problem.hpp"
 
@@ -38,7 +41,20 @@ struct Lidar {
   std::optional<std::size_t> beams;
   Pose2 T_base_link_laser;
   double time_increment = 0.0;  ///< From beam to beam [s]; 0 when scans are taken at once.
+  LidarTilt tilt{};             ///< Scans are levelled when they are read.
   friend bool operator==(const Lidar&, const Lidar&) = default;
+};
+
+/// The lidars of a session: one; several, and each scan names one; or none, and each scan brings
+/// its own geometry.
+struct Lidars {
+  Lidars() = default;
+  Lidars(std::optional<Lidar> lidar) : only(std::move(lidar)) {}
+  Lidars(Lidar lidar) : only(std::move(lidar)) {}
+
+  std::optional<Lidar> only;
+  std::map<std::string, Lidar, std::less<>> by_name;  ///< Empty beside `only`.
+  friend bool operator==(const Lidars&, const Lidars&) = default;
 };
 
 struct PutMapRequest {
@@ -63,13 +79,18 @@ struct TrajectoryRequest {
 struct CreateSessionRequest {
   std::string robot;
   std::vector<std::string> maps;  ///< Empty: every map.
-  Lidar lidar;
+  Lidars lidars;
   std::string lidar_json, options_json;
   LocalizerParams params;  ///< Defaults with `options` applied.
+  std::optional<StartRegion> region;
+};
+struct ResetRequest {
+  std::optional<StartRegion> region;
 };
 struct SessionScansRequest {
   std::uint64_t sequence = 0;
-  std::vector<RobotScan> scans;  ///< At least one, stamps strictly increase.
+  /// At least one. Stamps of one lidar strictly increase, those of several do not decrease.
+  std::vector<RobotScan> scans;
 };
 struct LocalizeRequest {
   std::vector<RobotScan> scans;  ///< At least one, stamps strictly increase.
@@ -88,17 +109,23 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat format);
 [[nodiscard]] Parsed<CreateSessionRequest> parse_create_session(std::string_view body,
                                                                 BodyFormat format);
+[[nodiscard]] Parsed<ResetRequest> parse_reset(std::string_view body, BodyFormat format);
 [[nodiscard]] Parsed<SessionScansRequest> parse_session_scans(std::string_view body,
-                                                              BodyFormat format, const Lidar& lidar,
+                                                              BodyFormat format,
+                                                              const Lidars& lidars,
                                                               const RequestLimits& limits);
 [[nodiscard]] Parsed<LocalizeRequest> parse_localize(std::string_view body, BodyFormat format,
                                                      const RequestLimits& limits);
 
 [[nodiscard]] std::string lidar_to_json(const Lidar& lidar);
+/// Empty for none.
+[[nodiscard]] std::string lidars_to_json(const Lidars& lidars);
 
 /// From what the store kept; the texts were made by a parse above, so they are valid. An empty text
 /// gives nothing, or the defaults.
 [[nodiscard]] std::optional<Lidar> lidar_from_json(std::string_view lidar_json);
+/// Nothing when the text was not made by lidars_to_json().
+[[nodiscard]] std::optional<Lidars> lidars_from_json(std::string_view lidars_json);
 [[nodiscard]] LocalizerParams params_from_json(std::string_view options_json);
 [[nodiscard]] MapperParams mapper_params_from_json(std::string_view parameters_json);
 

@@ -1,7 +1,11 @@
 #include "api/scan_batch.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +19,9 @@ namespace {
 
 constexpr std::uint64_t kMaxLidarBeams = 1'000'000;
 constexpr double kNanosecond = 1e-9;
+constexpr double kMaxTilt = 0.175;  // [rad]
+constexpr std::size_t kMaxLidars = 16;
+constexpr const char* kNameRule = "[A-Za-z0-9][A-Za-z0-9._-]{0,127}";
 
 /// std_msgs/Header; only the stamp is used.
 constexpr std::array<std::string_view, 3> kHeaderMembers{"seq", "stamp", "frame_id"};
@@ -116,6 +123,39 @@ bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& po
   return !field || pose;
 }
 
+/// How a laser is mounted. Tilts of more than kMaxTilt are refused, since they project badly.
+struct Mount {
+  Pose2 T_base_link_laser;
+  LidarTilt tilt;
+};
+
+/// An angle within kMaxTilt of 0, or of pi where the laser may hang upside down; 0 when it is not
+/// there.
+double read_tilt(const JsonField& mount, const char* name, bool may_hang) {
+  const auto field = mount.find(name);
+  const auto angle = field ? field->as_number() : std::nullopt;
+  if (!angle) return 0.0;
+  const double from_level = std::abs(wrap_angle(*angle));
+  const bool hangs = may_hang && std::numbers::pi - from_level <= kMaxTilt;
+  if (from_level > kMaxTilt && !hangs) {
+    field->fail(std::string("must be within 0.175 rad (10 deg) of 0") +
+                (may_hang ? " or of pi" : ""));
+  }
+  return wrap_angle(*angle);
+}
+
+/// Whether there is a mount or need not be one.
+bool read_mount(const JsonField& object, Mount& mount) {
+  const auto field = object.find("mount");
+  const auto pose = field ? field->as_pose() : std::nullopt;
+  if (!pose) return !field;
+  mount.T_base_link_laser = *pose;
+  mount.tilt = {.roll = read_tilt(*field, "roll", true),
+                .pitch = read_tilt(*field, "pitch", false)};
+  field->expect_members({"x", "y", "yaw", "roll", "pitch"});
+  return true;
+}
+
 /// The same for odometry, which may also be a nav_msgs/Odometry.
 bool read_odometry(const JsonField& scan, std::optional<Pose2>& pose) {
   const auto field = scan.find("odom");
@@ -125,18 +165,21 @@ bool read_odometry(const JsonField& scan, std::optional<Pose2>& pose) {
 }
 
 /// The members of a scan: ours, and those of sensor_msgs/LaserScan, also the unused ones.
-void expect_scan_members(const JsonField& scan, MapPose map_pose) {
+void expect_scan_members(const JsonField& scan, MapPose map_pose, bool has_named_lidars) {
   std::vector<std::string_view> known = {
-      "stamp",           "ranges",         "odom",      "header",    "angle_min", "angle_max",
-      "angle_increment", "time_increment", "scan_time", "range_min", "range_max", "intensities"};
+      "stamp",      "ranges",          "odom",           "mount",     "header",    "angle_min",
+      "angle_max",  "angle_increment", "time_increment", "scan_time", "range_min", "range_max",
+      "intensities"};
   if (map_pose == MapPose::kTaken) known.emplace_back("pose");
+  if (has_named_lidars) known.emplace_back("lidar");
   scan.expect_members(known);
 }
 
 class BatchReader {
  public:
-  BatchReader(Document& document, ScanBatch& batch, StampOrder order, MapPose map_pose)
-      : document_(document), batch_(batch), order_(order), map_pose_(map_pose) {}
+  BatchReader(Document& document, ScanBatch& batch, const Lidars& lidars, StampOrder order,
+              MapPose map_pose)
+      : document_(document), batch_(batch), lidars_(lidars), order_(order), map_pose_(map_pose) {}
 
   void read(const JsonField& scans) {
     const std::size_t count = scans.json().size();
@@ -149,33 +192,63 @@ class BatchReader {
   void read_scan(const JsonField& field, std::size_t index) {
     if (!field.expect_object()) return;
     BatchScan& out = batch_.scans[index];
-    if (batch_.lidar) {
-      out.scan = geometry_of(*batch_.lidar);
-      out.time_increment = batch_.lidar->time_increment;
+    const Lidar* lidar = batch_.lidar ? &*batch_.lidar : nullptr;
+    std::string lidar_name;
+    if (!lidars_.by_name.empty() && !read_name(field, lidar, lidar_name)) return;
+    Mount mount;
+    if (lidar != nullptr) {
+      out.scan = geometry_of(*lidar);
+      out.time_increment = lidar->time_increment;
+      mount = {lidar->T_base_link_laser, lidar->tilt};
     }
     const auto stamp = read_stamp(field);
-    if (stamp) check_order(field, *stamp);
+    if (stamp) check_order(field, lidar_name, *stamp);
     bool good = stamp.has_value();
-    expect_scan_members(field, map_pose_);
+    expect_scan_members(field, map_pose_, !lidars_.by_name.empty());
     out.scan.stamp = stamp.value_or(0.0);
-    good &= read_geometry(field, batch_.lidar.has_value(), out.scan);
-    good &= read_ranges(field, index, out.scan);
+    good &= read_geometry(field, lidar != nullptr, out.scan);
+    good &= read_ranges(field, index, lidar, out.scan);
     good &= read_time_increment(field, out.time_increment);
+    good &= read_mount(field, mount);
+    out.T_base_link_laser = mount.T_base_link_laser;
     good &= read_odometry(field, out.T_odom_base_link);
     if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
       field.fail_member(error->field, error->message);
+    } else if (good) {
+      out.scan = levelled(out.scan, mount.tilt);
     }
   }
 
-  void check_order(const JsonField& field, double stamp) {
-    if (order_ == StampOrder::kIncreasing && last_stamp_ && stamp <= *last_stamp_) {
-      field.fail_member("stamp", "must be later than the scan's before it");
+  /// The session's lidar that the scan names.
+  bool read_name(const JsonField& field, const Lidar*& lidar, std::string& name) const {
+    const auto member = field.require("lidar", "the name of a lidar of the session");
+    if (!member) return false;
+    const auto* text = member->json().get_ptr<const std::string*>();
+    const auto found = text != nullptr ? lidars_.by_name.find(*text) : lidars_.by_name.end();
+    if (found == lidars_.by_name.end()) {
+      std::string names;
+      for (const auto& [known, unused] : lidars_.by_name)
+        names += (names.empty() ? "" : ", ") + known;
+      member->fail("must be a lidar of the session: " + names);
+      return false;
     }
-    last_stamp_ = stamp;
+    lidar = &found->second;
+    name = found->first;
+    return true;
   }
 
-  bool read_ranges(const JsonField& field, std::size_t index, LaserScan& scan) {
+  void check_order(const JsonField& field, const std::string& lidar_name, double stamp) {
+    const auto last = last_stamps_.find(lidar_name);
+    if (order_ == StampOrder::kIncreasing && last != last_stamps_.end() && stamp <= last->second) {
+      field.fail_member("stamp", lidar_name.empty()
+                                     ? "must be later than the scan's before it"
+                                     : "must be later than that of the lidar's scan before it");
+    }
+    last_stamps_[lidar_name] = stamp;
+  }
+
+  bool read_ranges(const JsonField& field, std::size_t index, const Lidar* lidar, LaserScan& scan) {
     const auto ranges = field.require("ranges", "metres, or null for no return");
     if (!ranges) return false;
     if (!ranges->json().is_array()) {
@@ -187,8 +260,8 @@ class BatchReader {
       ranges->fail("must have at least one value");
       return false;
     }
-    const bool is_of_lidar = batch_.lidar && !has_own_angles(field.json());
-    const auto expected = is_of_lidar ? batch_.lidar->beams : std::nullopt;
+    const bool is_of_lidar = lidar != nullptr && !has_own_angles(field.json());
+    const auto expected = is_of_lidar ? lidar->beams : std::nullopt;
     if (!expected || scan.ranges.size() == *expected) return true;
     ranges->fail(std::to_string(scan.ranges.size()) + " values, expected " +
                  std::to_string(*expected) + " (from lidar.beams)");
@@ -197,9 +270,10 @@ class BatchReader {
 
   Document& document_;
   ScanBatch& batch_;
+  const Lidars& lidars_;
   StampOrder order_;
   MapPose map_pose_;
-  std::optional<double> last_stamp_;
+  std::map<std::string, double> last_stamps_;  ///< By the lidar's name.
 };
 
 /// Whether `lidar` is `known`, which may have `beams` besides.
@@ -208,12 +282,16 @@ bool same_but_beams(Lidar lidar, const Lidar& known) {
   return lidar == known;
 }
 
-/// The body's lidar or else `known`; false when the body's is wrong.
-bool choose_lidar(const JsonField& body, const std::optional<Lidar>& known,
-                  std::optional<Lidar>& chosen) {
+/// The body's lidar or else that of `lidars`; false when the body's is wrong.
+bool choose_lidar(const JsonField& body, const Lidars& lidars, std::optional<Lidar>& chosen) {
+  const std::optional<Lidar>& known = lidars.only;
   chosen = known;
   const auto field = body.find("lidar");
   if (!field) return true;
+  if (!lidars.by_name.empty()) {
+    field->fail("must not be there: each scan names a lidar of the session");
+    return false;
+  }
   chosen = read_lidar(*field);
   if (chosen && !chosen->beams && known && same_but_beams(*chosen, *known)) chosen = known;
   return chosen.has_value();
@@ -231,8 +309,8 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
     good &= count.has_value();
     if (count) lidar.beams = static_cast<std::size_t>(*count);
   }
-  std::optional<Pose2> mount;
-  good &= read_pose(field, "mount", mount);
+  Mount mount;
+  good &= read_mount(field, mount);
   good &= read_time_increment(field, lidar.time_increment);
   field.expect_members({"angle_min", "angle_max", "angle_increment", "time_increment", "scan_time",
                         "range_min", "range_max", "beams", "mount"});
@@ -246,24 +324,51 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
   lidar.angle_increment = geometry.angle_increment;
   lidar.range_min = geometry.range_min;
   lidar.range_max = geometry.range_max;
-  lidar.T_base_link_laser = mount.value_or(Pose2{});
+  lidar.T_base_link_laser = mount.T_base_link_laser;
+  lidar.tilt = mount.tilt;
   return lidar;
 }
 
-ScanBatch read_scan_batch(Document& document, const std::optional<Lidar>& lidar, StampOrder order,
+Lidars read_lidars(const JsonField& session) {
+  const auto only = session.find("lidar");
+  const auto named = session.find("lidars");
+  Lidars lidars;
+  if (only && named) {
+    named->fail("must not be there beside lidar");
+  } else if (only) {
+    lidars.only = read_lidar(*only);
+  } else if (named && named->expect_object()) {
+    const std::size_t count = named->json().size();
+    if (count == 0 || count > kMaxLidars)
+      named->fail("must have 1 to " + std::to_string(kMaxLidars) + " lidars by name");
+    for (const auto& [name, unused] : named->json().items()) {
+      if (!is_valid_name(name)) named->fail_member(name, "is no name: " + std::string(kNameRule));
+      const auto field = named->require(name, "a lidar");
+      if (const auto lidar = field ? read_lidar(*field) : std::nullopt)
+        lidars.by_name.emplace(name, *lidar);
+    }
+  }
+  return lidars;
+}
+
+ScanBatch read_scan_batch(Document& document, const Lidars& lidars, StampOrder order,
                           MapPose map_pose) {
   const JsonField body(document.root, "", document.errors);
   ScanBatch batch;
-  if (!choose_lidar(body, lidar, batch.lidar)) return batch;
+  if (!choose_lidar(body, lidars, batch.lidar)) return batch;
   const auto scans = body.require("scans", "1 or more scans");
   if (!scans) return batch;
   if (!scans->json().is_array() || scans->json().empty()) {
     scans->fail("must be an array of 1 or more scans");
-  } else if (!batch.lidar && !has_own_angles(scans->json().front())) {
+  } else if (!batch.lidar && lidars.by_name.empty() && !has_own_angles(scans->json().front())) {
     body.fail_member("lidar", "is needed: angle_min, angle_increment, range_min, range_max");
   } else {
-    BatchReader(document, batch, order, map_pose).read(*scans);
-    if (document.errors.empty()) straighten(batch.scans, batch.T_base_link_laser());
+    BatchReader(document, batch, lidars, order, map_pose).read(*scans);
+    if (!lidars.by_name.empty()) {
+      std::ranges::stable_sort(batch.scans, {},
+                               [](const BatchScan& scan) { return scan.scan.stamp; });
+    }
+    if (document.errors.empty()) straighten(batch.scans);
   }
   return batch;
 }

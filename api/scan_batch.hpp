@@ -16,15 +16,12 @@ struct BatchScan {
   std::optional<Pose2> T_odom_base_link;
   std::optional<Pose2> T_map_base_link;
   double time_increment = 0.0;  ///< From beam to beam [s]; 0 when it was taken at once.
+  Pose2 T_base_link_laser;
 };
 
 struct ScanBatch {
   std::optional<Lidar> lidar;  ///< In use; nothing when each scan brings its own.
   std::vector<BatchScan> scans;
-
-  [[nodiscard]] Pose2 T_base_link_laser() const {
-    return lidar ? lidar->T_base_link_laser : Pose2{};
-  }
 };
 
 enum class StampOrder { kAny, kIncreasing };
@@ -33,9 +30,13 @@ enum class MapPose { kRefused, kTaken };
 /// Nothing when it is wrong; the field's errors then have the reason.
 [[nodiscard]] std::optional<Lidar> read_lidar(const JsonField& field);
 
-/// Takes the ranges out of `document`. `lidar` is used where the body has none. What is wrong is in
-/// document.errors.
-[[nodiscard]] ScanBatch read_scan_batch(Document& document, const std::optional<Lidar>& lidar,
-                                        StampOrder order, MapPose map_pose);
+/// `lidar` or `lidars` of a session, or none.
+[[nodiscard]] Lidars read_lidars(const JsonField& session);
+
+/// Takes the ranges out of `document`. `lidars` are used where the body has none; with several,
+/// each scan names its own, and scans are put in the order of their stamps. Scans are levelled and
+/// straightened. What is wrong is in document.errors.
+[[nodiscard]] ScanBatch read_scan_batch(Document& document, const Lidars& lidars, StampOrder order,
+                                        MapPose map_pose);
 
 }  // namespace cornerfix::api

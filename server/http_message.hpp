@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/answer_profiles.hpp"
 #include "api/problem.hpp"
 #include "api/requests.hpp"
 #include "server/access.hpp"
@@ -26,8 +27,9 @@ struct Request {
   std::multimap<std::string, std::string> query;
   std::string body;  ///< Inflated.
   api::BodyFormat body_format = api::BodyFormat::kJson;
-  std::map<std::string, std::string> parts;                ///< Of a form, by name.
-  api::BodyFormat answer_format = api::BodyFormat::kJson;  ///< By Accept.
+  std::map<std::string, std::string> parts;                        ///< Of a form, by name.
+  api::BodyFormat answer_format = api::BodyFormat::kJson;          ///< By Accept,
+  api::AnswerProfile answer_profile = api::AnswerProfile::kPlain;  ///< as this.
   std::string if_none_match;
   Principal principal;
 

@@ -223,6 +223,10 @@ Result<void> HttpServer::Impl::open_services() {
           .expired_before =
               [days = std::chrono::days(config.session_expiry_days)] {
                 return time_text(std::chrono::system_clock::now() - days);
+              },
+          .stale_before =
+              [silence = std::chrono::seconds(config.session_stale_s)] {
+                return time_text(std::chrono::system_clock::now() - silence);
               }});
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
@@ -423,7 +427,9 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   if (auto refusal = refuse(exchange, route->access)) return *refusal;
   request.captures = std::move(captures);
   request.query = {raw.params.begin(), raw.params.end()};
-  request.answer_format = best_format(raw.get_header_value("Accept"));
+  const AnswerFormat answer = best_format(raw.get_header_value("Accept"));
+  request.answer_format = answer.body;
+  request.answer_profile = answer.profile;
   request.if_none_match = raw.get_header_value("If-None-Match");
   if (may_have_body(raw.method)) {
     if (auto refusal = take_body(exchange, route->body, config.max_body_bytes)) return *refusal;

@@ -43,8 +43,11 @@ std::string make_session_id() {
 }
 
 /// Stamps within a batch increase already; a batch must also begin after the one before it.
-std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp) {
+/// Scans of two lidars may have the same stamp.
+std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp,
+                                 const api::Lidars& lidars) {
   if (!last_stamp || first.scan.stamp > *last_stamp) return std::nullopt;
+  if (lidars.by_name.size() > 1 && first.scan.stamp == *last_stamp) return std::nullopt;
   return Error{
       ErrorCode::kInvalidArgument,
       fmt::format("stamp {} is not after {}, the session's last", first.scan.stamp, *last_stamp),
@@ -113,6 +116,14 @@ std::optional<RobotScan> newest_scan(const LocalizerState& state) {
                    .T_odom_base_link = std::nullopt};
 }
 
+/// Id of the newest session of a robot, if that is another one than `id`; else empty.
+Result<std::string> superseding(SessionStore& sessions, const std::string& robot,
+                                const std::string& id) {
+  auto newest = sessions.newest(robot);
+  if (newest && *newest == id) newest->clear();
+  return newest;
+}
+
 Error no_such_session(const std::string& id) {
   return {ErrorCode::kNotFound, "there is no session " + id, ""};
 }
@@ -130,7 +141,7 @@ struct LocalizationService::Session {
 
   std::mutex mutex;
   SessionRecord record;  ///< Without the state.
-  api::Lidar lidar;
+  api::Lidars lidars;
   LocalizerParams params;
   std::atomic<Status> status = Status::kCollecting;  ///< Counted without the mutex.
   std::atomic<std::size_t> bytes = 0;                ///< Of the localizer; read without the mutex.
@@ -142,6 +153,7 @@ struct LocalizationService::Session {
   double free_area_m2 = 0.0;           ///< Of all maps, as far as it is known.
   std::int64_t confirmed_map = 0;      ///< In which a confirmed pose is tracked, or 0.
   std::optional<double> search_begin;  ///< Stamp of the first scan of a search, while it lasts.
+  bool is_answered = false;            ///< Since it was made or reset.
   std::optional<RobotScan> last_scan;
   std::vector<Point2> feature_points;
   api::AnswerHistory history;
@@ -159,11 +171,16 @@ struct LocalizationService::Session {
             .maps = record.maps,
             .lidar_json = record.lidar_json,
             .options_json = record.options_json,
+            .region = localizer ? localizer->region() : stored_state.region,
             .expected_sequence = record.expected_sequence,
             .status = status,
-            .last_answer = record.last_answer,
+            .last_answer = is_answered ? record.last_answer : std::string(),
             .last_scan = last_scan,
             .feature_points = feature_points};
+  }
+
+  [[nodiscard]] std::optional<double> last_stamp() const {
+    return localizer ? localizer->last_stamp() : stored_state.last_stamp;
   }
 
   [[nodiscard]] LocalizerState state() const {
@@ -203,6 +220,7 @@ struct LocalizationService::Session {
       const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
       const bool is_there = found != ids.end();
       state.tracked_map = is_there ? static_cast<int>(found - ids.begin()) : -1;
+      if (!is_there) state.region.reset();
       if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
     }
     status = state.status;
@@ -258,6 +276,9 @@ Result<std::optional<SessionView>> LocalizationService::create(
     if (!info) return info.error();
     map_ids.push_back(info->id);
   }
+  if (auto good = check_region(request.region, request.maps); !good) return good.error();
+  LocalizerState state;
+  state.region = request.region;
   const std::string now = settings_.now();
   const SessionRecord record{.id = make_session_id(),
                              .robot = request.robot,
@@ -267,7 +288,7 @@ Result<std::optional<SessionView>> LocalizationService::create(
                              .options_json = request.options_json,
                              .expected_sequence = 0,
                              .last_answer = {},
-                             .state = {},
+                             .state = std::move(state),
                              .map_ids = std::move(map_ids),
                              .last_used = now};
   bool has_room = false;
@@ -288,7 +309,21 @@ Result<std::optional<SessionView>> LocalizationService::create(
 Result<SessionView> LocalizationService::find(const std::string& id) {
   const auto session = lock(id);
   if (!session) return session.error();
-  return (*session)->view();
+  return view_of(**session);
+}
+
+Result<SessionView> LocalizationService::view_of(const Session& session) {
+  SessionView view = session.view();
+  view.is_stale = is_stale(view.last_seen);
+  auto newer = stores_->with_sessions(
+      [&](SessionStore& sessions) { return superseding(sessions, view.robot, view.id); });
+  if (!newer) return newer.error();
+  view.superseded_by = std::move(*newer);
+  return view;
+}
+
+bool LocalizationService::is_stale(const std::string& last_seen) const {
+  return settings_.stale_before && last_seen < settings_.stale_before();
 }
 
 Result<void> LocalizationService::visit(const std::string& id,
@@ -309,27 +344,41 @@ SessionCounts LocalizationService::count_by_status() {
 }
 
 Result<SessionList> LocalizationService::list(const SessionListRequest& request) {
-  auto records = stores_->with_session_list([&](SessionStore& sessions) {
-    return sessions.list(
-        {.robot = request.robot, .after = request.after, .limit = request.limit + 1});
-  });
+  std::vector<std::string> superseded_by;
+  auto records =
+      stores_->with_session_list([&](SessionStore& sessions) -> Result<std::vector<SessionRecord>> {
+        auto found = sessions.list(
+            {.robot = request.robot, .after = request.after, .limit = request.limit + 1});
+        if (!found) return found;
+        for (const SessionRecord& record : *found) {
+          auto newer = superseding(sessions, record.robot, record.id);
+          if (!newer) return newer.error();
+          superseded_by.push_back(std::move(*newer));
+        }
+        return found;
+      });
   if (!records) return records.error();
   SessionList list;
   if (records->size() > request.limit) {
     records->pop_back();
     list.next = records->back().number;
   }
-  for (SessionRecord& record : *records) {
+  for (std::size_t i = 0; i < records->size(); ++i) {
+    SessionRecord& record = (*records)[i];
+    const bool is_answered = record.state.scans > 0;
     list.sessions.push_back({.id = std::move(record.id),
                              .robot = std::move(record.robot),
                              .created = std::move(record.created),
-                             .last_seen = std::move(record.last_used),
+                             .last_seen = record.last_used,
+                             .is_stale = is_stale(record.last_used),
+                             .superseded_by = std::move(superseded_by[i]),
                              .maps = std::move(record.maps),
                              .lidar_json = std::move(record.lidar_json),
                              .options_json = std::move(record.options_json),
+                             .region = std::move(record.state.region),
                              .expected_sequence = record.expected_sequence,
                              .status = record.state.status,
-                             .last_answer = std::move(record.last_answer)});
+                             .last_answer = is_answered ? std::move(record.last_answer) : ""});
   }
   return list;
 }
@@ -339,13 +388,27 @@ Result<void> LocalizationService::remove(const std::string& id) {
   return stores_->with_sessions([&](SessionStore& sessions) { return sessions.remove(id); });
 }
 
-Result<SessionView> LocalizationService::reset(const std::string& id) {
+Result<void> LocalizationService::check_region(const std::optional<StartRegion>& region,
+                                               const std::vector<std::string>& maps) {
+  if (!region || region->map.empty()) return {};
+  if (maps.empty()) {
+    const auto info = maps_->find(region->map);
+    return info ? Result<void>() : Result<void>(info.error());
+  }
+  if (std::ranges::find(maps, region->map) != maps.end()) return {};
+  return Error{ErrorCode::kInvalidArgument, "must be one of the session's maps", "/near/map"};
+}
+
+Result<SessionView> LocalizationService::reset(const std::string& id,
+                                               const std::optional<StartRegion>& region) {
   for (int attempt = 1;; ++attempt) {
     const auto locked = lock(id);
     if (!locked) return locked.error();
     Session& session = **locked;
+    if (auto good = check_region(region, session.record.maps); !good) return good.error();
     session.is_current = false;  // Until the store has it too.
-    const LocalizerState forgotten;
+    LocalizerState forgotten;
+    forgotten.region = region;
     const std::string now = settings_.now();
     const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
                                         .expected_sequence = session.record.expected_sequence,
@@ -357,23 +420,24 @@ Result<SessionView> LocalizationService::reset(const std::string& id) {
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
     if (!saved) return saved.error();
-    if (session.localizer) session.localizer->reset();
-    session.stored_state = {};
+    if (session.localizer) session.localizer->reset(region);
+    session.stored_state = std::move(forgotten);
     session.confirmed_map = 0;
     session.search_begin.reset();
     session.status = Status::kCollecting;
+    session.is_answered = false;
     session.last_scan.reset();
     session.feature_points.clear();
     session.record.last_used = now;
     session.is_current = true;
-    return session.view();
+    return view_of(session);
   }
 }
 
 Result<SessionHead> LocalizationService::head(const std::string& id) {
   const auto session = lock(id);
   if (!session) return session.error();
-  return SessionHead{(*session)->record.robot, (*session)->lidar};
+  return SessionHead{(*session)->record.robot, (*session)->lidars};
 }
 
 Result<std::deque<api::PastAnswer>> LocalizationService::history(const std::string& id) {
@@ -399,11 +463,13 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
     if (expected > 0 && request.sequence == expected - 1) {
       const std::uint64_t known = session.record.last_batch;
       if (known != 0 && known != digest_of(request.scans)) {
-        return BatchOutcome{.expected_sequence = expected, .is_another_batch = true};
+        return BatchOutcome{.expected_sequence = expected,
+                            .is_another_batch = true,
+                            .last_stamp = session.last_stamp()};
       }
       return BatchOutcome{.answer = session.record.last_answer};
     }
-    return BatchOutcome{.expected_sequence = expected};
+    return BatchOutcome{.expected_sequence = expected, .last_stamp = session.last_stamp()};
   }
 }
 
@@ -411,7 +477,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
                                                      const api::SessionScansRequest& request) {
   if (auto ready = use_current_maps(session); !ready) return ready.error();
   const auto last_stamp = session.localizer->last_stamp();
-  if (auto error = check_stamp(request.scans.front(), last_stamp)) return *error;
+  if (auto error = check_stamp(request.scans.front(), last_stamp, session.lidars)) return *error;
 
   session.is_current = false;  // Until the store has the batch too.
   std::optional<double> search_begin = session.search_begin;
@@ -435,6 +501,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   session.status = batch.answer.status;
   session.count_bytes();
   session.search_begin = search_begin;
+  session.is_answered = true;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
   session.is_current = true;
@@ -516,11 +583,12 @@ Result<void> LocalizationService::refresh(Session& session) {
   // Every batch raises the one number and a reset zeroes the other: both the same, nobody was here.
   const bool is_unchanged = session.is_current && session.localizer &&
                             record.expected_sequence == session.record.expected_sequence &&
-                            record.state.scans == session.localizer->state().scans;
+                            record.state.scans == session.localizer->state().scans &&
+                            record.state.region == session.localizer->region();
   if (is_unchanged) return {};
-  const auto lidar = api::lidar_from_json(record.lidar_json);
-  if (!lidar) return Error{ErrorCode::kCorruptData, "session " + id + " has no lidar", ""};
-  session.lidar = *lidar;
+  auto lidars = api::lidars_from_json(record.lidar_json);
+  if (!lidars) return Error{ErrorCode::kCorruptData, "session " + id + " has a wrong lidar", ""};
+  session.lidars = std::move(*lidars);
   session.params = api::params_from_json(record.options_json);
   session.stored_state = std::exchange(record.state, {});
   session.record = std::move(record);
@@ -531,6 +599,7 @@ Result<void> LocalizationService::refresh(Session& session) {
   session.status = session.stored_state.status;
   session.note_confirmed(session.stored_state);
   session.drop_localizer();
+  session.is_answered = session.stored_state.scans > 0;
   session.last_scan = newest_scan(session.stored_state);
   session.feature_points.clear();
   session.is_current = true;

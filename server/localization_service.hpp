@@ -31,13 +31,17 @@ namespace cornerfix::server {
 struct SessionView {
   std::string id;
   std::string robot;
-  std::string created;            ///< RFC 3339, UTC.
-  std::string last_seen;          ///< When it took its last batch, or was created.
+  std::string created;    ///< RFC 3339, UTC.
+  std::string last_seen;  ///< When it took its last batch, was reset or created.
+  bool is_stale = false;  ///< Not seen for long: what it answered last is old.
+  /// Id of the newest session of the robot, if that is another one.
+  std::string superseded_by{};
   std::vector<std::string> maps;  ///< As asked for; empty: every map.
   std::string lidar_json, options_json;
+  std::optional<StartRegion> region{};  ///< While it restricts the search.
   std::uint64_t expected_sequence = 0;
   Status status = Status::kCollecting;
-  std::string last_answer;  ///< Rendered; empty before the first.
+  std::string last_answer;  ///< Rendered; empty before the first, also after a reset.
   /// Of the last batch; after a restart the newest scan of the local map, as seen from the last
   /// pose.
   std::optional<RobotScan> last_scan{};
@@ -81,7 +85,7 @@ using BatchListener = std::function<void(const BatchOrigin&, const BatchEvents&,
 /// What is needed to read a session's batch.
 struct SessionHead {
   std::string robot;
-  api::Lidar lidar;
+  api::Lidars lidars;
 };
 
 /// What came of a batch.
@@ -90,6 +94,7 @@ struct BatchOutcome {
   std::optional<std::uint64_t> expected_sequence{};
   /// Its sequence was that of the last batch, but its scans were others: nothing was done.
   bool is_another_batch = false;
+  std::optional<double> last_stamp{};  ///< Of the last scan that was taken, beside the above [s].
   std::string answer{};  ///< Rendered; the same bytes whenever the batch is posted again.
 };
 
@@ -105,6 +110,7 @@ struct LocalizationServiceSettings {
   /// Of the maps that one session searches together.
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
   NowText expired_before{};  ///< Sessions last used before this time are removed; may be empty.
+  NowText stale_before{};    ///< Sessions last used before this time are stale; may be empty.
 };
 
 /// Which sessions to list.
@@ -140,7 +146,9 @@ class LocalizationService {
   [[nodiscard]] SessionCounts count_by_status();
   [[nodiscard]] Result<void> remove(const std::string& id);
   /// The robot was carried: forgets the pose, the submap and the stamps; the sequence goes on.
-  [[nodiscard]] Result<SessionView> reset(const std::string& id);
+  /// The robot is in `region` now, if there is one.
+  [[nodiscard]] Result<SessionView> reset(const std::string& id,
+                                          const std::optional<StartRegion>& region = {});
 
   [[nodiscard]] Result<SessionHead> head(const std::string& id);
 
@@ -159,8 +167,13 @@ class LocalizationService {
   struct Session;
   class LockedSession;
 
+  [[nodiscard]] bool is_stale(const std::string& last_seen) const;
+  [[nodiscard]] Result<SessionView> view_of(const Session& session);
   [[nodiscard]] Result<LockedSession> lock(const std::string& id);
   [[nodiscard]] Result<void> refresh(Session& session);
+  /// Whether a region's map is one that is searched.
+  [[nodiscard]] Result<void> check_region(const std::optional<StartRegion>& region,
+                                          const std::vector<std::string>& maps);
   [[nodiscard]] Result<void> use_current_maps(Session& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(Session& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();

@@ -54,6 +54,19 @@ double quality_of(std::string_view parameters) {
   return 1.0;
 }
 
+/// The parameter `profile` of a media range.
+api::AnswerProfile profile_of(std::string_view parameters) {
+  constexpr std::string_view kName = "profile=";
+  while (!parameters.empty()) {
+    const std::string parameter = lower_case(next_part(parameters, ';'));
+    if (!parameter.starts_with(kName)) continue;
+    std::string name = parameter.substr(kName.size());
+    std::erase(name, '"');
+    return api::answer_profile_from_string(name).value_or(api::AnswerProfile::kPlain);
+  }
+  return api::AnswerProfile::kPlain;
+}
+
 }  // namespace
 
 std::optional<BodyFormat> format_of_content_type(std::string_view content_type) {
@@ -61,8 +74,8 @@ std::optional<BodyFormat> format_of_content_type(std::string_view content_type) 
   return media_type.empty() ? BodyFormat::kJson : format_of(media_type);
 }
 
-BodyFormat best_format(std::string_view accept) {
-  BodyFormat best = BodyFormat::kJson;
+AnswerFormat best_format(std::string_view accept) {
+  AnswerFormat best;
   double best_quality = 0.0;
   while (!accept.empty()) {
     std::string_view range = next_part(accept, ',');
@@ -71,7 +84,7 @@ BodyFormat best_format(std::string_view accept) {
     const auto format = any ? BodyFormat::kJson : format_of(media_range);
     const double quality = quality_of(range);
     if (format && quality > best_quality) {
-      best = *format;
+      best = {*format, profile_of(range)};
       best_quality = quality;
     }
   }

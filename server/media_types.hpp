@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "api/answer_profiles.hpp"
 #include "api/requests.hpp"
 
 namespace cornerfix::server {
@@ -12,7 +13,15 @@ namespace cornerfix::server {
 /// Content-Type a body is taken as JSON.
 [[nodiscard]] std::optional<api::BodyFormat> format_of_content_type(std::string_view content_type);
 
-/// The format that an Accept header likes best; JSON when it does not care or likes none of ours.
-[[nodiscard]] api::BodyFormat best_format(std::string_view accept);
+/// How an answer is written.
+struct AnswerFormat {
+  api::BodyFormat body = api::BodyFormat::kJson;
+  api::AnswerProfile profile = api::AnswerProfile::kPlain;
+  friend bool operator==(const AnswerFormat&, const AnswerFormat&) = default;
+};
+
+/// What an Accept header likes best; JSON when it does not care or likes none of ours. A profile
+/// that is not known is as none.
+[[nodiscard]] AnswerFormat best_format(std::string_view accept);
 
 }  // namespace cornerfix::server

@@ -123,11 +123,11 @@ Framing framing_of(const httplib::Request& raw) {
 
 std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t limit) {
   if (rule == BodyRule::kIgnored) return std::nullopt;
+  if (rule == BodyRule::kOptionalDocument && !exchange.framing.has_body()) {
+    exchange.request.body = kEmptyObject;
+    return std::nullopt;
+  }
   if (exchange.framing.kind == Framing::Kind::kNone) {
-    if (rule == BodyRule::kOptionalDocument) {
-      exchange.request.body = kEmptyObject;
-      return std::nullopt;
-    }
     return problem_response(411, "length_required", "A body with Content-Length is needed.");
   }
   if (rule == BodyRule::kForm) return take_form(exchange, limit);

@@ -141,6 +141,10 @@ const std::map<std::string, Setter, std::less<>>& setters() {
        [](auto& c, const json& v) {
          c.session_expiry_days = static_cast<int>(integer_of(v, 1, 36'500));
        }},
+      {"session_stale_s",
+       [](auto& c, const json& v) {
+         c.session_stale_s = static_cast<int>(integer_of(v, 1, 31'536'000));
+       }},
       {"session_idle_minutes",
        [](auto& c, const json& v) {
          c.session_idle_minutes = static_cast<int>(integer_of(v, 1, 1'000'000));

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/answer_history.hpp"
+#include "api/answer_profiles.hpp"
 #include "api/json_codec.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
@@ -25,12 +26,31 @@ Json session_json(const SessionView& view) {
                                       .maps = view.maps,
                                       .created = view.created,
                                       .last_seen = view.last_seen,
+                                      .is_stale = view.is_stale,
+                                      .superseded_by = view.superseded_by,
                                       .expected = view.expected_sequence,
                                       .lidar_json = view.lidar_json,
                                       .options_json = view.options_json,
+                                      .region = view.region,
                                       .last_answer = answer.is_null() ? nullptr : &answer});
   session["status"] = to_string(view.status);
   return session;
+}
+
+/// Names the profile that a document was written in.
+Response profiled(const Request& request, Response response) {
+  if (request.answer_profile != api::AnswerProfile::kPlain)
+    response.content_type += "; profile=" + std::string(to_string(request.answer_profile));
+  return response;
+}
+
+/// A rendered answer, in the profile that was asked for.
+Response answer_response(const Request& request, const std::string& answer) {
+  if (request.answer_profile == api::AnswerProfile::kPlain)
+    return text_response(request, 200, answer);
+  return profiled(request,
+                  document_response(request, 200,
+                                    api::in_profile(Json::parse(answer), request.answer_profile)));
 }
 
 constexpr std::size_t kDefaultPage = 100;
@@ -107,7 +127,9 @@ class SessionRoutes {
     const auto view = service().find(request.captures[0]);
     if (!view) return error_response(request, view.error());
     if (!request.principal.may_see(view->robot)) return forbidden_robot();
-    return document_response(request, 200, session_json(*view));
+    return profiled(request, document_response(request, 200,
+                                               api::session_in_profile(session_json(*view),
+                                                                       request.answer_profile)));
   }
 
   Response remove(const Request& request) {
@@ -120,7 +142,10 @@ class SessionRoutes {
 
   Response reset(const Request& request) {
     if (auto refusal = refuse_foreign(request)) return *refusal;
-    const auto view = service().reset(request.captures[0]);
+    const auto parsed = api::parse_reset(request.body, request.body_format);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto& reset = std::get<api::ResetRequest>(parsed);
+    const auto view = service().reset(request.captures[0], reset.region);
     if (!view) return error_response(request, view.error());
     return document_response(request, 200, session_json(*view));
   }
@@ -131,18 +156,13 @@ class SessionRoutes {
     if (!head) return error_response(request, head.error());
     if (!request.principal.may_see(head->robot)) return forbidden_robot();
     const auto parsed =
-        api::parse_session_scans(request.body, request.body_format, head->lidar, services_.limits);
+        api::parse_session_scans(request.body, request.body_format, head->lidars, services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::SessionScansRequest>(parsed);
     const auto outcome = service().post_scans(id, batch);
     if (!outcome) return error_response(request, outcome.error());
-    if (outcome->is_another_batch) {
-      return another_batch(batch.sequence, *outcome->expected_sequence);
-    }
-    if (outcome->expected_sequence) {
-      return wrong_sequence(batch.sequence, *outcome->expected_sequence);
-    }
-    return text_response(request, 200, outcome->answer);
+    if (outcome->expected_sequence) return sequence_conflict(batch.sequence, *outcome);
+    return answer_response(request, outcome->answer);
   }
 
   Response localize(const Request& request) {
@@ -155,7 +175,7 @@ class SessionRoutes {
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto answer = service().localize(map, std::get<api::LocalizeRequest>(parsed));
     if (!answer) return error_response(request, answer.error());
-    return text_response(request, 200, *answer);
+    return answer_response(request, *answer);
   }
 
   Response history(const Request& request) {
@@ -196,27 +216,24 @@ class SessionRoutes {
     return std::nullopt;
   }
 
-  static Response wrong_sequence(std::uint64_t sequence, std::uint64_t expected) {
-    return sequence_conflict("The batch has sequence " + std::to_string(sequence) +
-                                 "; the session expects " + std::to_string(expected) + ".",
-                             expected);
-  }
-
-  static Response another_batch(std::uint64_t sequence, std::uint64_t expected) {
-    return sequence_conflict("Sequence " + std::to_string(sequence) +
-                                 " was answered for a batch with other scans; the session "
-                                 "expects " +
-                                 std::to_string(expected) + ".",
-                             expected);
-  }
-
-  static Response sequence_conflict(std::string detail, std::uint64_t expected) {
-    return problem_response(api::Problem{.status = 409,
-                                         .code = "sequence_conflict",
-                                         .title = "Wrong sequence",
-                                         .detail = std::move(detail),
-                                         .errors = {},
-                                         .extra_json = Json{{"expected", expected}}.dump()});
+  static Response sequence_conflict(std::uint64_t sequence, const BatchOutcome& outcome) {
+    const std::string expected = std::to_string(*outcome.expected_sequence);
+    const std::string detail =
+        outcome.is_another_batch
+            ? "Sequence " + std::to_string(sequence) +
+                  " was answered for a batch with other scans; the session expects " + expected +
+                  "."
+            : "The batch has sequence " + std::to_string(sequence) + "; the session expects " +
+                  expected + ".";
+    const Json last_stamp = outcome.last_stamp ? Json(*outcome.last_stamp) : Json(nullptr);
+    return problem_response(api::Problem{
+        .status = 409,
+        .code = "sequence_conflict",
+        .title = "Wrong sequence",
+        .detail = detail,
+        .errors = {},
+        .extra_json =
+            Json{{"expected", *outcome.expected_sequence}, {"last_stamp", last_stamp}}.dump()});
   }
 
   Services services_;
@@ -248,7 +265,8 @@ void add_session_routes(Router& router, const Services& services) {
   add("GET", "/v1/sessions", Access::kRead, kIgnored, &SessionRoutes::list);
   add("GET", "/v1/sessions/{id}", Access::kRead, kIgnored, &SessionRoutes::get);
   add("DELETE", "/v1/sessions/{id}", Access::kSession, kIgnored, &SessionRoutes::remove);
-  add("POST", "/v1/sessions/{id}/reset", Access::kSession, kIgnored, &SessionRoutes::reset);
+  add("POST", "/v1/sessions/{id}/reset", Access::kSession, kOptionalDocument,
+      &SessionRoutes::reset);
   add("POST", "/v1/sessions/{id}/scans", Access::kSession, kDocument, &SessionRoutes::post_scans);
   add("GET", "/v1/sessions/{id}/history", Access::kRead, kIgnored, &SessionRoutes::history);
   add("GET", "/v1/sessions/{id}/events", Access::kRead, kIgnored, &SessionRoutes::events);

@@ -38,7 +38,7 @@ enum class Kind : std::uint8_t {
 
 /// The version that is written. All before it can be read.
 constexpr std::uint8_t newest_version(Kind kind) {
-  if (kind == Kind::kLocalizerState) return 4;
+  if (kind == Kind::kLocalizerState) return 5;
   return kind == Kind::kFeatures ? 2 : 1;
 }
 
@@ -237,6 +237,29 @@ std::optional<double> take_optional_real(Reader& reader) {
   return present ? std::optional(value) : std::nullopt;
 }
 
+void put_region(Writer& writer, const std::optional<StartRegion>& region) {
+  const StartRegion some = region.value_or(StartRegion{});
+  writer.integer(static_cast<std::uint8_t>(region.has_value()));
+  for (const double value : {some.center.x(), some.center.y(), some.radius_m}) writer.real(value);
+  put_optional_real(writer, some.yaw);
+  writer.real(some.yaw_tolerance_rad);
+  writer.count(some.map.size());
+  std::memcpy(writer.extend(some.map.size()), some.map.data(), some.map.size());
+}
+
+std::optional<StartRegion> take_region(Reader& reader) {
+  const bool present = reader.integer<std::uint8_t>() != 0;
+  StartRegion region;
+  region.center.x() = reader.real();
+  region.center.y() = reader.real();
+  region.radius_m = reader.real();
+  region.yaw = take_optional_real(reader);
+  region.yaw_tolerance_rad = reader.real();
+  const BlobView map = reader.bytes(reader.count(1));
+  region.map.assign(map.begin(), map.end());
+  return present ? std::optional(std::move(region)) : std::nullopt;
+}
+
 void put_optional_pose(Writer& writer, const std::optional<Pose2>& pose) {
   writer.integer(static_cast<std::uint8_t>(pose.has_value()));
   writer.pose(pose.value_or(Pose2{}));
@@ -410,7 +433,7 @@ Result<SubmapScan> decode_submap_scan(BlobView blob) {
 }
 
 Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
-  constexpr std::size_t kFixedSize = 315;
+  constexpr std::size_t kFixedSize = 361;
   Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
   writer.integer(state.next_index);
   writer.integer(state.scans);
@@ -435,6 +458,7 @@ Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapS
   writer.real(state.distance_since_acceptance_m);
   writer.real(state.searched_at_m);
   writer.integer(state.accepted_index);
+  put_region(writer, state.region);
   writer.count(submap.size());
   for (const SubmapScanKey& key : submap) {
     writer.integer(key.index);
@@ -478,14 +502,16 @@ Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
     state.searched_at_m = reader->real();
     state.accepted_index = reader->integer<std::uint64_t>();
   }
+  if (blob[0] > 4) state.region = take_region(*reader);
   outline.submap.resize(reader->count(kSubmapScanKeySize));
   for (SubmapScanKey& key : outline.submap) {
     key.index = reader->integer<std::uint64_t>();
     key.checksum = reader->integer<std::uint32_t>();
   }
   const bool known = status <= static_cast<std::uint8_t>(Status::kLost) &&
-                     reason <= static_cast<std::uint8_t>(Reason::kSearching);
-  if (!reader->finished() || !known) return inconsistent("localizer state");
+                     reason <= static_cast<std::uint8_t>(kLastReason);
+  const bool has_bad_region = state.region && validate(*state.region).has_value();
+  if (!reader->finished() || !known || has_bad_region) return inconsistent("localizer state");
   return outline;
 }
 

@@ -300,6 +300,14 @@ Result<std::size_t> SessionStore::count(std::string_view robot) {
   });
 }
 
+Result<std::string> SessionStore::newest(std::string_view robot) {
+  return guarded([&]() -> Result<std::string> {
+    Statement row(*database_,
+                  "SELECT id FROM sessions WHERE robot = ? ORDER BY number DESC LIMIT 1");
+    return row.bind(robot).step() ? row.text(0) : std::string();
+  });
+}
+
 Result<std::size_t> SessionStore::remove_unused_since(std::string_view time) {
   known_.clear();
   return guarded([&]() -> Result<std::size_t> {

@@ -72,6 +72,8 @@ class SessionStore {
   /// By creation. Their states have no submaps.
   [[nodiscard]] Result<std::vector<SessionRecord>> list(const SessionPage& page);
   [[nodiscard]] Result<std::size_t> count(std::string_view robot);
+  /// Id of the robot's session that was made last; empty when there is none.
+  [[nodiscard]] Result<std::string> newest(std::string_view robot);
   /// Removes those last used before `time`; returns how many.
   [[nodiscard]] Result<std::size_t> remove_unused_since(std::string_view time);
 

@@ -18,7 +18,7 @@ RivalAnswer PublishedRma::process(const RobotScan& scan) {
   const std::vector<Point2> ends = ends_in_base_link(scan);
   if (follower_) return {follower_->follow(motion, ends), true};
   T_submap_base_link_ = match_submap(motion, ends);
-  if (!submap_.wants(T_submap_base_link_)) return {};
+  if (!submap_.wants(T_submap_base_link_, scan.T_base_link_laser)) return {};
   submap_.keep({0, scan.scan, scan.T_base_link_laser, T_submap_base_link_},
                extract_corners(scan.scan, CornerExtractor::kVfp));
   const std::optional<Pose2> T_map_submap = match_map();

@@ -155,6 +155,23 @@ class Lidar:
         }
 
 
+@dataclass(frozen=True)
+class Near:
+    """Where a robot may be at its first scan, in the frame of the map: poses elsewhere are not
+    searched."""
+
+    x: float
+    y: float
+    radius_m: float
+    yaw: Optional[float] = None
+    """None: any heading."""
+    yaw_tolerance_rad: Optional[float] = None
+    map: Optional[str] = None
+
+    def to_json(self) -> Json:
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
 @dataclass
 class Scan:
     """One scan. A range that is None, not finite or outside the limits is a beam without return."""
@@ -225,6 +242,8 @@ class Answer:
     hypotheses: Sequence[Hypothesis] = ()
     reason: Optional[str] = None
     odometry: Optional[str] = None
+    given: Optional[str] = None
+    """"near" while the search is restricted by `near`: `confidence` is conditional on it."""
     raw: Json = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -258,6 +277,10 @@ class Session:
     maps: Optional[Sequence[str]] = None
     """None: every map."""
     last_seen: str = ""
+    stale: bool = False
+    """Not seen for long: status and last answer are old."""
+    superseded_by: Optional[str] = None
+    """Id of a newer session of the robot."""
     last_answer: Optional[Answer] = None
     raw: Json = field(default_factory=dict, repr=False, compare=False)
 
@@ -473,9 +496,10 @@ class Client:
         body = {"sequence": sequence, "scans": scans}
         return _answer(self.call("POST", _session_path(session, "/scans"), body))
 
-    def reset_session(self, session: str) -> Session:
-        """The robot was carried: forgets its pose and its local map."""
-        return _session(self.call("POST", _session_path(session, "/reset")))
+    def reset_session(self, session: str, *, near: Optional[Near] = None) -> Session:
+        """The robot was carried, to `near` if given: forgets its pose and its local map."""
+        body = {"near": near.to_json()} if near else None
+        return _session(self.call("POST", _session_path(session, "/reset"), body))
 
     def delete_session(self, session: str) -> None:
         self.request("DELETE", _session_path(session))
@@ -619,10 +643,11 @@ class Robot:
         batch: int = 5,
         max_waiting: int = 1000,
         session: Optional[str] = None,
+        near: Optional[Near] = None,
         **members: Any,
     ):
-        """Without `map` and `maps` the robot may be in any map. `members` go into the request for a
-        session, as `options`."""
+        """Without `map` and `maps` the robot may be in any map. `near` is where it may be at its
+        first scan. `members` go into the request for a session, as `options`."""
         if not 1 <= batch <= MAX_SCANS_PER_BATCH:
             raise ValueError(f"batch: {batch}, expected 1 to {MAX_SCANS_PER_BATCH}")
         self.client = Client(server, token=token) if isinstance(server, str) else server
@@ -638,6 +663,7 @@ class Robot:
         self._sent: Deque[List[Scan]] = collections.deque(maxlen=self._KEPT_BATCHES)
         self._sequence = self.client.session(session).expected if session else 0
         self._lidar: Optional[Lidar] = None
+        self._near = None if session else near
         self._last_stamp: Optional[float] = None
 
     def __enter__(self) -> Robot:
@@ -689,11 +715,14 @@ class Robot:
             self.answer = answer
         return answer
 
-    def reset(self) -> None:
-        """The robot was carried: forgets its pose, its local map and the scans that wait."""
+    def reset(self, *, near: Optional[Near] = None) -> None:
+        """The robot was carried, to `near` if given: forgets its pose, its local map and the scans
+        that wait."""
+        self._near = near
         if self.session:
             try:
-                self._sequence = self.client.reset_session(self.session).expected
+                self._sequence = self.client.reset_session(self.session, near=near).expected
+                self._near = None
             except Problem as problem:
                 if problem.code != "not_found":
                     raise
@@ -720,8 +749,13 @@ class Robot:
         return self.client.post_scans(self.session, self._sequence, scans)
 
     def _create_session(self, lidar: Optional[Lidar]) -> None:
-        members = {**self._members, "lidar": lidar and lidar.to_json()}
+        members = {
+            **self._members,
+            "lidar": lidar and lidar.to_json(),
+            "near": self._near and self._near.to_json(),
+        }
         self.session = self.client.create_session(members).id
+        self._near = None  # A session made anew later begins elsewhere.
         self._lidar = lidar
         self._sequence = 0
         self._sent.clear()

@@ -66,7 +66,7 @@ void check(const api::TrajectoryRequest& request) {
 }
 void check(const api::CreateSessionRequest& request) {
   require(api::is_valid_name(request.robot) && !validate(request.params));
-  require(api::lidar_from_json(request.lidar_json) == request.lidar);
+  require(api::lidars_from_json(request.lidar_json) == request.lidars);
 }
 void check(const api::PutMapRequest& request) {
   if (request.lidar_json) require(api::lidar_from_json(*request.lidar_json).has_value());

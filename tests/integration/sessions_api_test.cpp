@@ -147,6 +147,29 @@ TEST_F(SessionsApiTest, SaysWhichSequenceItExpects) {
   EXPECT_EQ(post(id, 2).status, 200);
 }
 
+TEST_F(SessionsApiTest, AConflictHasTheStampOfTheLastScan) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  Reply conflict = post(id, 3);
+  EXPECT_EQ(conflict.json()["expected"], 0);
+  EXPECT_EQ(conflict.json()["last_stamp"], nullptr);
+  post(id, 0);
+  conflict = post(id, 3);
+  EXPECT_EQ(conflict.status, 409);
+  EXPECT_EQ(conflict.json()["expected"], 1);
+  EXPECT_EQ(conflict.json()["last_stamp"], drive_.scans[2].scan.stamp);
+}
+
+TEST_F(SessionsApiTest, AnOlderSessionOfARobotIsSuperseded) {
+  const std::string old = testing::open_session(client_, "cart-7", "office");
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  EXPECT_EQ(client_.get("/v1/sessions/" + old).json()["superseded_by"], id);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json()["superseded_by"], nullptr);
+  EXPECT_EQ(client_.get("/v1/sessions/" + id).json()["stale"], false);
+  const Json list = client_.get("/v1/sessions").json()["sessions"];
+  EXPECT_EQ(list[0]["superseded_by"], id);
+  EXPECT_EQ(post(old, 0).status, 200) << "it is answered as before";
+}
+
 TEST_F(SessionsApiTest, RefusesStampsThatDoNotIncrease) {
   const std::string id = testing::open_session(client_, "cart-7", "office");
   post(id, 0);
@@ -193,6 +216,7 @@ TEST_F(SessionsApiTest, ForgetsOnReset) {
   EXPECT_EQ(reset.status, 200);
   EXPECT_EQ(reset.json()["status"], "collecting");
   EXPECT_EQ(reset.json()["expected"], 9);
+  EXPECT_EQ(reset.json()["last_answer"], nullptr);
   Json early = testing::session_batch(drive_, 0);
   early["sequence"] = 9;
   EXPECT_EQ(post(id, early).status, 200);
@@ -204,6 +228,130 @@ TEST_F(SessionsApiTest, ResetsWithoutContentLengthAtOnce) {
       server_.port(), "POST /v1/sessions/" + id +
                           "/reset HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_THAT(reply, ::testing::StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(SessionsApiTest, FindsTheRobotNearAPlaceAndSaysSo) {
+  Json request = testing::session_request("cart-7", "office");
+  const Pose2& start = drive_.T_map_base_link.front();
+  request["near"] = {{"x", start.x}, {"y", start.y}, {"radius_m", 1.0}, {"yaw", start.yaw}};
+  const Reply opened = client_.post("/v1/sessions", request);
+  ASSERT_EQ(opened.status, 201) << opened.body;
+  EXPECT_EQ(opened.json()["near"]["yaw_tolerance_rad"], 0.8);
+  const std::string id = opened.json()["id"];
+  Json answer;
+  for (std::uint64_t i = 0; i < 10; ++i) answer = post(id, i).json();
+  EXPECT_EQ(answer["status"], "localized") << answer.dump(1);
+  EXPECT_EQ(answer["given"], "near");
+}
+
+TEST_F(SessionsApiTest, ARobotThatIsNotNearThePlaceGetsNoPose) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  const Json near{{"x", 8.5}, {"y", 2.0}, {"radius_m", 0.8}};
+  const Reply reset = client_.post("/v1/sessions/" + id + "/reset", {{"near", near}});
+  ASSERT_EQ(reset.status, 200) << reset.body;
+  EXPECT_EQ(reset.json()["near"], near);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const Json answer = post(id, i).json();
+    EXPECT_EQ(answer["status"], "collecting");
+    EXPECT_EQ(answer["pose"], nullptr);
+    if (i > 1) EXPECT_EQ(answer["reason"], "prior_contradicted");
+  }
+  EXPECT_EQ(client_.send("POST", "/v1/sessions/" + id + "/reset", "", "").json()["near"], nullptr);
+}
+
+TEST_F(SessionsApiTest, PointsToWhatIsWrongWithNear) {
+  Json request = testing::session_request("cart-7", "office");
+  request["near"] = {{"x", 1.0}, {"y", 2.0}, {"radius_m", -1.0}};
+  Reply refused = client_.post("/v1/sessions", request);
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near/radius_m");
+  request["near"] = {{"map", "hall"}, {"x", 1.0}, {"y", 2.0}, {"radius_m", 1.0}};
+  refused = client_.post("/v1/sessions", request);
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near/map");
+  EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
+}
+
+/// A scan of a full turn as two lidars of half a turn would have taken it.
+Json halves_of(const Json& scan) {
+  const Json& ranges = scan["ranges"];
+  const std::size_t beams = ranges.size();
+  Json front = scan;
+  Json rear = scan;
+  front["lidar"] = "front";
+  rear["lidar"] = "rear";
+  front["ranges"] = rear["ranges"] = Json::array();
+  for (std::size_t i = 0; i < beams / 2; ++i) {
+    front["ranges"].push_back(ranges[beams / 4 + i]);
+    rear["ranges"].push_back(ranges[(3 * beams / 4 + i) % beams]);
+  }
+  return Json::array({front, rear});
+}
+
+TEST_F(SessionsApiTest, FindsARobotWithTwoLidars) {
+  Json request = testing::session_request("cart-7", "office");
+  Json half = request["lidar"];
+  half["angle_min"] = half["angle_min"].get<double>() / 2.0;
+  request.erase("lidar");
+  request["lidars"] = {{"front", half}, {"rear", half}};
+  request["lidars"]["rear"]["mount"] = testing::pose_json({0.0, 0.0, 3.14159265});
+  const Reply opened = client_.post("/v1/sessions", request);
+  ASSERT_EQ(opened.status, 201) << opened.body;
+  EXPECT_EQ(opened.json()["lidar"], nullptr);
+  EXPECT_EQ(opened.json()["lidars"].size(), 2U);
+  Json answer;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    Json batch = testing::session_batch(drive_, i);
+    Json scans = Json::array();
+    for (const Json& scan : batch["scans"]) {
+      for (const Json& one : halves_of(scan)) scans.push_back(one);
+    }
+    batch["scans"] = scans;
+    const Reply reply = post(opened.json()["id"], batch);
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    answer = reply.json();
+  }
+  ASSERT_EQ(answer["status"], "localized") << answer.dump(1);
+  EXPECT_NEAR(answer["pose"]["x"], drive_.T_map_base_link.back().x, 0.1);
+  EXPECT_NEAR(answer["pose"]["y"], drive_.T_map_base_link.back().y, 0.1);
+}
+
+TEST_F(SessionsApiTest, NeedsNoLidarWhenScansBringTheirGeometry) {
+  Json request = testing::session_request("cart-7", "office");
+  const Json lidar = request["lidar"];
+  request.erase("lidar");
+  const Reply opened = client_.post("/v1/sessions", request);
+  ASSERT_EQ(opened.status, 201) << opened.body;
+  EXPECT_EQ(opened.json()["lidar"], nullptr);
+  Json batch = testing::session_batch(drive_, 0);
+  const Reply refused = post(opened.json()["id"], batch);
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/lidar");
+  for (Json& scan : batch["scans"]) scan.update(lidar);
+  EXPECT_EQ(post(opened.json()["id"], batch).status, 200);
+}
+
+TEST_F(SessionsApiTest, GivesAnswersInTheShapesOfRosAndVda5050) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  for (std::uint64_t i = 0; i < 10; ++i) post(id, i);
+  const auto get_as = [&](const std::string& profile) {
+    return client_.get("/v1/sessions/" + id, {{"Accept", "application/json; profile=" + profile}});
+  };
+  const Json pose = client_.get("/v1/sessions/" + id).json()["last_answer"]["pose"];
+  ASSERT_FALSE(pose.is_null());
+  const Reply ros = get_as("ros");
+  EXPECT_EQ(ros.header("content-type"), "application/json; profile=ros");
+  EXPECT_EQ(ros.json()["last_answer"]["pose"]["pose"]["pose"]["position"]["x"], pose["x"]);
+  const Reply vda = get_as("vda5050");
+  EXPECT_EQ(vda.header("content-type"), "application/json; profile=vda5050");
+  EXPECT_EQ(vda.json()["agvPosition"]["x"], pose["x"]);
+  EXPECT_EQ(vda.json()["agvPosition"]["localized"], true);
+  EXPECT_THAT(vda.json()["errors"], IsEmpty());
+  const std::string again = testing::session_batch(drive_, 9).dump();
+  const Reply batch =
+      client_.send("POST", "/v1/sessions/" + id + "/scans", again, "application/json",
+                   {{"Accept", "application/json; profile=vda5050"}});
+  EXPECT_EQ(batch.json()["agvPosition"], vda.json()["agvPosition"]);
 }
 
 TEST_F(SessionsApiTest, RefusesABatchWhenTheMapWasDeleted) {

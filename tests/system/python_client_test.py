@@ -27,6 +27,7 @@ from cornerfix import (
     CornerfixError,
     Lidar,
     LogError,
+    Near,
     Pose,
     Problem,
     Robot,
@@ -253,6 +254,26 @@ class SequenceTest(unittest.TestCase):
             robot.add(scan(1.0))
             robot.add(scan(2.0))
             self.assertEqual((robot.session, self.sent(stub)[-1]), ("t", (0, [2.0])))
+
+    def test_sends_where_the_robot_may_be_with_the_first_session_only(self):
+        gone = problem(404, "not_found")
+        with Stub(self.CREATED, self.TAKEN, gone, self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=1, near=Near(1.0, 2.0, 3.0))
+            robot.add(scan(1.0))
+            robot.add(scan(2.0))
+            sessions = [body for body in stub.bodies() if "robot" in body]
+        self.assertEqual(sessions[0]["near"], {"x": 1.0, "y": 2.0, "radius_m": 3.0})
+        self.assertNotIn("near", sessions[1], "it has moved since")
+
+    def test_resets_to_a_place(self):
+        reset = (200, {}, {"id": "s", "robot": "r", "status": "collecting", "expected": 1})
+        with Stub(self.CREATED, self.TAKEN, reset) as stub:
+            robot = Robot(stub.url, "r", batch=1)
+            robot.add(scan(1.0))
+            robot.reset(near=Near(1.0, 2.0, 3.0, yaw=0.5))
+            self.assertEqual(
+                stub.bodies()[-1], {"near": {"x": 1.0, "y": 2.0, "radius_m": 3.0, "yaw": 0.5}}
+            )
 
     def test_drops_a_repeated_stamp_and_resets_when_the_clock_was_set_back(self):
         reset = (200, {}, {"id": "s", "robot": "r", "status": "collecting", "expected": 1})

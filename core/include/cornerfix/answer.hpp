@@ -37,7 +37,11 @@ enum class Reason {
   kContradicted,              ///< The best place is contradicted by what was seen.
   kOdometryContradictsScans,  ///< As kContradicted, and odometry is ignored.
   kSearching,                 ///< The search of the maps continues at the next scan.
+  kPriorContradicted,         ///< No pose in the start region fits what was seen.
+  kMirroredScans,             ///< What was seen fits only in a mirror: the lidar hangs upside down.
 };
+/// States of localizers are stored with reasons: new ones come last.
+inline constexpr Reason kLastReason = Reason::kMirroredScans;
 
 /// How far the answer relied on the robot's odometry.
 enum class OdometryUse {
@@ -149,6 +153,8 @@ struct Answer {
   AcceptanceTerms terms;  ///< What the decision on the best hypothesis weighed last.
   OdometryUse odometry = OdometryUse::kNone;
   Withdrawal withdrawal = Withdrawal::kNone;  ///< Of a pose, at this scan.
+  /// The probability is conditional on the start region: only poses there were compared.
+  bool is_given_region = false;
   bool searched = false;     ///< Whether this scan made it look at all places of all maps.
   int local_scans = 0;       ///< Scans in the submap.
   int local_features = 0;    ///< Features of the submap.

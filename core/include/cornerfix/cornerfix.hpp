@@ -5,6 +5,7 @@
 #include <cornerfix/corners.hpp>
 #include <cornerfix/descriptor.hpp>
 #include <cornerfix/laser_scan.hpp>
+#include <cornerfix/levelling.hpp>
 #include <cornerfix/localizability.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer.hpp>
@@ -16,3 +17,4 @@
 #include <cornerfix/ray_caster.hpp>
 #include <cornerfix/result.hpp>
 #include <cornerfix/slam.hpp>
+#include <cornerfix/start_region.hpp>

@@ -12,6 +12,7 @@
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer_params.hpp>
+#include <cornerfix/start_region.hpp>
 
 namespace cornerfix {
 
@@ -22,7 +23,7 @@ struct LocalizerState {
   std::uint64_t next_index = 0;      ///< Of the next scan to join the submap.
   std::uint64_t scans = 0;           ///< Processed since the reset; seeds the random draws.
   Pose2 T_submap_base_link;          ///< At the last scan.
-  Pose2 last_motion;                 ///< Between the last two scans, for constant velocity,
+  Pose2 last_motion;                 ///< Between the last two scans of a laser,
   double last_interval_s = 0.0;      ///< and the time between them; 0 when not known.
   std::optional<double> last_stamp;  ///< [s]
   std::optional<Pose2> last_T_odom_base_link;
@@ -41,8 +42,9 @@ struct LocalizerState {
   std::uint64_t epoch = 0;                ///< Of the last accepted pose.
   bool confirmed = false;                 ///< The tracked pose.
   double distance_since_acceptance_m = 0.0;
-  double searched_at_m = 0.0;        ///< The same at the last review of all poses.
-  std::uint64_t accepted_index = 0;  ///< Of the first submap scan after the acceptance.
+  double searched_at_m = 0.0;         ///< The same at the last review of all poses.
+  std::uint64_t accepted_index = 0;   ///< Of the first submap scan after the acceptance.
+  std::optional<StartRegion> region;  ///< While it restricts the search.
 };
 
 /// Localizes one robot. Deterministic: same maps, params and scans give the same answers.
@@ -58,11 +60,16 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Takes one scan. Stamps must increase from call to call until reset() (asserted).
+  /// Takes one scan. Stamps must not decrease from call to call until reset() (asserted), and those
+  /// of one laser must increase. A robot may have several lasers, known by T_base_link_laser.
   [[nodiscard]] Answer process(const RobotScan& scan);
 
-  /// The robot was carried: forgets the pose and the submap.
-  void reset();
+  /// The robot was carried: forgets the pose and the submap. With a region, base_link is there at
+  /// the next scan, and only poses there are searched. The restriction moves with the robot. It
+  /// ends when scans no longer continue the submap, or when an accepted pose is withdrawn.
+  void reset(std::optional<StartRegion> region = std::nullopt);
+  /// The region while it restricts the search.
+  [[nodiscard]] const std::optional<StartRegion>& region() const;
 
   /// Newer revisions of the same maps, in the same order; the pose and the submap are kept.
   void replace_maps(std::vector<LocalizationMapPtr> maps);

@@ -30,11 +30,29 @@ Submap::Submap(SubmapParams params)
       evidence_grid_(Point2::Zero(), params.evidence),
       features_(params.features) {}
 
-bool Submap::wants(const Pose2& T_submap_base_link) const {
-  if (kept_.empty()) return true;
-  const Pose2& last = kept_.back().scan.T_submap_base_link;
-  return distance(last, T_submap_base_link) >= params_.keep_distance_m ||
-         angle_between(last, T_submap_base_link) >= params_.keep_angle_rad;
+bool is_same_laser(const Pose2& T_base_link_laser, const Pose2& T_base_link_other) {
+  constexpr double kDistance = 0.05;  // [m]
+  constexpr double kAngle = 0.05;     // [rad]
+  return distance(T_base_link_laser, T_base_link_other) < kDistance &&
+         angle_between(T_base_link_laser, T_base_link_other) < kAngle;
+}
+
+bool Submap::wants(const Pose2& T_submap_base_link, const Pose2& T_base_link_laser) const {
+  const SubmapScan* last = last_scan_of(T_base_link_laser);
+  return last == nullptr ||
+         distance(last->T_submap_base_link, T_submap_base_link) >= params_.keep_distance_m ||
+         angle_between(last->T_submap_base_link, T_submap_base_link) >= params_.keep_angle_rad;
+}
+
+bool Submap::knows_laser(const Pose2& T_base_link_laser) const {
+  return last_scan_of(T_base_link_laser) != nullptr;
+}
+
+const SubmapScan* Submap::last_scan_of(const Pose2& T_base_link_laser) const {
+  const auto found = std::find_if(kept_.rbegin(), kept_.rend(), [&](const Kept& kept) {
+    return is_same_laser(kept.scan.T_base_link_laser, T_base_link_laser);
+  });
+  return found == kept_.rend() ? nullptr : &found->scan;
 }
 
 void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool restored) {

@@ -40,6 +40,9 @@ struct SearchWindow {
   double turn_rad = 0.25;  ///< To either side; >= 0.
 };
 
+/// Lasers of a robot are distinguished by where they are mounted.
+[[nodiscard]] bool is_same_laser(const Pose2& T_base_link_laser, const Pose2& T_base_link_other);
+
 struct FoundStart {
   Pose2 T_submap_base_link;
   double cost = 0.0;  ///< Mean squared distance of the points to walls, and a little for being far
@@ -51,8 +54,11 @@ class Submap {
  public:
   explicit Submap(SubmapParams params = {});
 
-  /// Whether a scan at this pose shows enough new to be kept.
-  [[nodiscard]] bool wants(const Pose2& T_submap_base_link) const;
+  /// Whether a scan at this pose shows enough new to be kept. Each laser of a robot shows
+  /// something else.
+  [[nodiscard]] bool wants(const Pose2& T_submap_base_link, const Pose2& T_base_link_laser) const;
+  /// Whether it has a scan of this laser.
+  [[nodiscard]] bool knows_laser(const Pose2& T_base_link_laser) const;
 
   /// Keeps a scan with the corners seen in it (in `laser`) and forgets what has left the window.
   /// `scan.index` is given by the submap unless `restored`.
@@ -92,6 +98,8 @@ class Submap {
     std::vector<Feature> corners_submap;
     double way_m = 0.0;  ///< Driven up to here.
   };
+  /// The last one of a laser; null when there is none.
+  [[nodiscard]] const SubmapScan* last_scan_of(const Pose2& T_base_link_laser) const;
   void stamp(const SubmapScan& scan);
   void rebuild_about(const Point2& center);
 

@@ -36,6 +36,10 @@ std::string_view to_string(Reason reason) {
       return "odometry_contradicts_scans";
     case Reason::kSearching:
       return "searching";
+    case Reason::kPriorContradicted:
+      return "prior_contradicted";
+    case Reason::kMirroredScans:
+      return "mirrored_scans";
   }
   return "";
 }

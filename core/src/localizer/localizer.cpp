@@ -42,6 +42,8 @@ constexpr double kTurnAcceleration = 20.0;  // [rad/s^2]
 constexpr double kReviewDistance = 1.5;   // [m] between searches of the whole map
 constexpr double kConfirmDistance = 3.0;  // [m] after the acceptance
 
+constexpr std::size_t kMaxLasers = 16;  // whose last scans are remembered
+
 constexpr int kMaxStillScans = 10;  // without anything new: say that driving on would help
 
 // Withdrawal of a pose.
@@ -78,6 +80,13 @@ bool is_moving(const Pose2& motion) {
 }  // namespace
 
 struct Localizer::Impl {
+  /// When a laser took its last scan, and where the robot was then.
+  struct LaserMoment {
+    Pose2 T_base_link_laser;
+    double stamp = 0.0;  ///< [s]
+    Pose2 T_submap_base_link;
+  };
+
   Impl(std::vector<LocalizationMapPtr> the_maps, LocalizerParams the_params, Clock the_clock)
       : maps(std::move(the_maps)), params(the_params), clock(std::move(the_clock)) {}
 
@@ -92,11 +101,13 @@ struct Localizer::Impl {
   double last_interval_s = 0.0;
   std::optional<double> last_stamp;
   std::optional<Pose2> last_T_odom_base_link;
+  std::vector<LaserMoment> lasers;  ///< The last scan of each laser.
   int stray_scans = 0;
   std::optional<double> usual_share;  ///< Of a scan's points that match the submap.
   int still_scans = 0;                ///< In a row that showed nothing new.
   GlobalSearch search{params};
-  bool searched = false;  ///< At this scan.
+  std::optional<StartRegion> region;  ///< While it restricts the search.
+  bool searched = false;              ///< At this scan.
   OdometryMonitor odometry_monitor;
 
   Status status = Status::kCollecting;
@@ -123,7 +134,7 @@ struct Localizer::Impl {
   [[nodiscard]] double now() const { return clock ? clock() : 0.0; }
 
   Answer process(const RobotScan& robot_scan) {
-    assert(!last_stamp || robot_scan.scan.stamp > *last_stamp);
+    assert(!last_stamp || robot_scan.scan.stamp >= *last_stamp);
     StepTimes times;
     const double begin = now();
     searched = false;
@@ -135,7 +146,8 @@ struct Localizer::Impl {
     times.odometry_ms = now() - begin;
 
     const double extract_begin = now();
-    const bool news = !points.empty() && submap.wants(T_submap_base_link);
+    const bool news =
+        !points.empty() && submap.wants(T_submap_base_link, robot_scan.T_base_link_laser);
     if (news) keep(robot_scan);
     still_scans = news ? 0 : still_scans + 1;
     times.extract_ms = now() - extract_begin;
@@ -160,33 +172,39 @@ struct Localizer::Impl {
   /// Scan-to-submap matching. Odometry predicts the motion as far as it agrees with the scans, the
   /// motion before where it does not.
   void move_along(const RobotScan& robot_scan, const std::vector<Point2>& points) {
-    const Prediction prediction = predict(robot_scan);
-    if (submap.empty()) return;  // this scan begins the submap, wherever it is
     const Pose2 before = T_submap_base_link;
+    const double stamp_before = last_stamp.value_or(robot_scan.scan.stamp);
+    const Prediction prediction = predict(robot_scan);
+    const Pose2& T_base_link_laser = robot_scan.T_base_link_laser;
+    const LaserMoment last_moment{T_base_link_laser, stamp_before, before};
+    // This scan begins the submap, wherever it is.
+    if (submap.empty()) return note_velocity(last_moment);
     Pose2 now_at = prediction.likely.T_frame_base_link;
     Eigen::Matrix3d noise = prediction.likely.information.inverse();
     if (!points.empty()) {
       const Match matched = match(points, prediction);
-      if (belongs_to_submap(matched.pose.inlier_share)) {
+      const bool is_new_laser = !submap.knows_laser(T_base_link_laser);
+      if (belongs_to_submap(matched.pose.inlier_share, is_new_laser)) {
         now_at = matched.pose.T_frame_base_link;
         stray_scans = 0;
         const Eigen::Matrix3d information = submap.match_information(points, now_at);
         noise = share_of_prior(matched.prior_information, information, now_at.yaw);
         if (prediction.odometry)
           odometry_monitor.add(*prediction.odometry, inverse(before) * now_at, information);
-      } else if (++stray_scans >= kMaxStrayScans) {
+      } else if (!is_new_laser && ++stray_scans >= kMaxStrayScans) {
         restart_submap(Withdrawal::kScansLost);
         return;
       }
     }
     T_submap_base_link = now_at;
-    last_motion = inverse(before) * now_at;
+    note_velocity(last_moment);
+    const Pose2 motion = inverse(before) * now_at;
     const double step = distance(before, now_at);
-    search.move_along(last_motion);
+    search.move_along(motion);
     if (fix) {
       misfit_way_m += step;
       distance_since_acceptance_m += step;
-      tracker.predict(last_motion, in_base_link(noise, now_at.yaw));
+      tracker.predict(motion, in_base_link(noise, now_at.yaw));
     }
   }
 
@@ -205,7 +223,6 @@ struct Localizer::Impl {
     const double interval_s = last_stamp ? robot_scan.scan.stamp - *last_stamp : 0.0;
     const Pose2 steady_motion = motion_at_constant_velocity(interval_s);
     last_stamp = robot_scan.scan.stamp;
-    last_interval_s = interval_s;
     const PosePrior steady = constant_velocity_prior(T_submap_base_link, steady_motion);
     if (!T_odom_before || !last_T_odom_base_link) return {steady, {}, false, {}};
 
@@ -248,7 +265,28 @@ struct Localizer::Impl {
     return std::max(kMinMatchedShare, kMinUsualShare * usual_share.value_or(0.0));
   }
 
-  bool belongs_to_submap(double matched_share) {
+  /// The velocity is that since the last scan of the same laser, because scans of two lasers may
+  /// be too near in time. `last_moment` is that of the last scan of any.
+  void note_velocity(LaserMoment last_moment) {
+    const auto known = std::ranges::find_if(lasers, [&](const LaserMoment& one) {
+      return is_same_laser(one.T_base_link_laser, last_moment.T_base_link_laser);
+    });
+    if (known != lasers.end()) {
+      last_moment = *known;
+      lasers.erase(known);
+    }
+    const double interval_s = *last_stamp - last_moment.stamp;
+    if (interval_s > 0.0) {
+      last_motion = inverse(last_moment.T_submap_base_link) * T_submap_base_link;
+      last_interval_s = interval_s;
+    }
+    if (lasers.size() == kMaxLasers) lasers.erase(lasers.begin());
+    lasers.push_back({last_moment.T_base_link_laser, *last_stamp, T_submap_base_link});
+  }
+
+  bool belongs_to_submap(double matched_share, bool is_new_laser) {
+    // What the first scan of a laser shows, no other may have seen.
+    if (is_new_laser) return matched_share >= kMinMatchedShare;
     const double usual = usual_share.value_or(matched_share);
     usual_share = usual + kUsualGain * (matched_share - usual);
     return matched_share >= std::max(kMinMatchedShare, kMinUsualShare * usual);
@@ -259,9 +297,11 @@ struct Localizer::Impl {
     submap = Submap();
     T_submap_base_link = {};
     last_motion = {};
+    lasers.clear();
     stray_scans = 0;
     usual_share.reset();
     search.reset();
+    region.reset();
     new_ground = {};
     if (fix) withdraw(cause);
     terms = {};
@@ -271,6 +311,8 @@ struct Localizer::Impl {
   /// The pose is no longer an answer; the submap and the search go on.
   void withdraw(Withdrawal cause) {
     fix.reset();
+    search.lift_restriction();
+    region.reset();
     withdrawal = cause;
     status = Status::kLost;
     reason = Reason::kContradicted;
@@ -288,6 +330,11 @@ struct Localizer::Impl {
   }
 
   // --- search
+
+  void restrict_to(std::optional<StartRegion> start_region) {
+    region = std::move(start_region);
+    if (region) search.restrict_to(*region, T_submap_base_link);
+  }
 
   void look_for_robot(StepTimes& times) {
     const View view = view_from(submap, T_submap_base_link);
@@ -316,13 +363,17 @@ struct Localizer::Impl {
       const bool few_features =
           params.method != Method::kIndexed &&
           submap.features().size() < static_cast<std::size_t>(params.min_features);
-      reason = few_features ? Reason::kFewFeatures : Reason::kNoMatch;
+      reason = few_features ? Reason::kFewFeatures : no_match();
+      if (search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
       return;
     }
     terms = search.terms();
     confidence = terms.probability_correct;
     if (!search.acceptable()) {
       reason = candidates.missing_without_rivals();
+      const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
+      if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
+      if (fits_badly && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
       if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
       return;
     }
@@ -339,9 +390,17 @@ struct Localizer::Impl {
       reason = Reason::kContradicted;
       return;
     }
+    accept(candidates.best());
+  }
+
+  [[nodiscard]] Reason no_match() const {
+    return region ? Reason::kPriorContradicted : Reason::kNoMatch;
+  }
+
+  void accept(const Candidate& best) {
     status = Status::kLocalized;
     reason = Reason::kNone;
-    begin_tracking(candidates.best());
+    begin_tracking(best);
     misfits = 0;
     misfit_way_m = 0.0;
     ++epoch;
@@ -428,6 +487,7 @@ struct Localizer::Impl {
     answer.odometry = last_T_odom_base_link ? odometry_monitor.use() : OdometryUse::kNone;
     answer.withdrawal = withdrawal;
     answer.terms = terms;
+    answer.is_given_region = region.has_value();
     answer.searched = searched;
     answer.reason = answer.status == Status::kLocalized ? Reason::kNone : reason;
     if (is_doubted && fix) answer.reason = Reason::kContradicted;
@@ -467,13 +527,17 @@ Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 Answer Localizer::process(const RobotScan& scan) { return impl_->process(scan); }
 
-void Localizer::reset() {
+void Localizer::reset(std::optional<StartRegion> region) {
+  assert(!region || !validate(*region));
   const std::uint64_t epoch = impl_->epoch;
   const OdometryMonitor odometry_monitor = impl_->odometry_monitor;
   *impl_ = Impl(std::move(impl_->maps), impl_->params, std::move(impl_->clock));
   impl_->epoch = epoch;
   impl_->odometry_monitor = odometry_monitor;
+  impl_->restrict_to(std::move(region));
 }
+
+const std::optional<StartRegion>& Localizer::region() const { return impl_->region; }
 
 void Localizer::replace_maps(std::vector<LocalizationMapPtr> maps) {
   assert(maps.size() >= impl_->maps.size() && "maps may join at the end, none may leave");
@@ -509,6 +573,7 @@ LocalizerState Localizer::state() const {
   state.distance_since_acceptance_m = impl_->distance_since_acceptance_m;
   state.searched_at_m = impl_->searched_at_m;
   state.accepted_index = impl_->accepted_index;
+  state.region = impl_->region;
   return state;
 }
 
@@ -539,6 +604,7 @@ void Localizer::restore(LocalizerState state) {
   impl_->distance_since_acceptance_m = state.distance_since_acceptance_m;
   impl_->searched_at_m = state.searched_at_m;
   impl_->accepted_index = state.accepted_index;
+  impl_->restrict_to(std::move(state.region));
   if (state.tracked_map >= 0)
     impl_->new_ground = NewGround(old_ground.value_or(impl_->submap.evidence()));
   if (state.tracked_map >= 0 && static_cast<std::size_t>(state.tracked_map) < impl_->maps.size()) {

@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <vector>
+#include <utility>
+
+#include "core/src/scan/rebinned_scan.hpp"
 
 namespace cornerfix {
 
 namespace {
-
-constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
 /// Where the laser was in its place at the scan's stamp when it took a beam.
 Pose2 laser_at(std::size_t beam, std::size_t beams, const ScanMotion& motion) {
@@ -31,21 +31,9 @@ LaserScan turned_geometry(const LaserScan& scan, const ScanMotion& motion) {
   turned.angle_min += laser_at(0, beams, motion).yaw;
   if (!(turned.angle_increment * scan.angle_increment > 0.0)) return turned;
   const double full_turn = 2.0 * std::numbers::pi / std::abs(turned.angle_increment);
-  turned.ranges.assign(std::min(beams, static_cast<std::size_t>(full_turn) + 1), kNoReturn);
+  turned.ranges.assign(std::min(beams, static_cast<std::size_t>(full_turn) + 1),
+                       std::numeric_limits<float>::quiet_NaN());
   return turned;
-}
-
-/// Fills single beams that nothing moved to, between returns of one surface.
-void fill_gaps(const std::vector<bool>& is_taken, std::vector<float>& ranges) {
-  constexpr float kSameSurface = 0.1F;  // of the range
-  for (std::size_t beam = 1; beam + 1 < ranges.size(); ++beam) {
-    const float before = ranges[beam - 1];
-    const float after = ranges[beam + 1];
-    if (is_taken[beam] || !is_taken[beam - 1] || !is_taken[beam + 1]) continue;
-    if (std::abs(before - after) <= kSameSurface * std::min(before, after)) {
-      ranges[beam] = 0.5F * (before + after);
-    }
-  }
 }
 
 }  // namespace
@@ -58,30 +46,20 @@ bool is_plausible(const ScanMotion& motion) {
 }
 
 LaserScan straightened(const LaserScan& scan, const ScanMotion& motion) {
-  LaserScan out = turned_geometry(scan, motion);
-  if (out.ranges.empty()) return scan;
-  std::vector<bool> is_taken(out.ranges.size(), false);
-  const auto beams = static_cast<std::ptrdiff_t>(out.ranges.size());
+  const LaserScan geometry = turned_geometry(scan, motion);
+  if (geometry.ranges.empty()) return scan;
+  RebinnedScan rebinned(geometry);
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
-    auto to = static_cast<std::ptrdiff_t>(beam);
-    float range = kNoReturn;
-    if (scan.has_return(beam)) {
-      const double bearing = scan.bearing(beam);
-      const Point2 point =
-          laser_at(beam, scan.ranges.size(), motion) *
-          (static_cast<double>(scan.ranges[beam]) * Point2(std::cos(bearing), std::sin(bearing)));
-      const double aside = wrap_angle(std::atan2(point.y(), point.x()) - out.bearing(beam));
-      to += std::lround(aside / out.angle_increment);
-      range = static_cast<float>(point.norm());
+    if (!scan.has_return(beam)) {
+      rebinned.put_no_return(beam);
+      continue;
     }
-    if (to < 0 || to >= beams) continue;
-    const auto taken = static_cast<std::size_t>(to);
-    if (is_taken[taken] && !(range < out.ranges[taken]) && !std::isnan(out.ranges[taken])) continue;
-    is_taken[taken] = true;
-    out.ranges[taken] = range;
+    const double bearing = scan.bearing(beam);
+    rebinned.put(beam, laser_at(beam, scan.ranges.size(), motion) *
+                           (static_cast<double>(scan.ranges[beam]) *
+                            Point2(std::cos(bearing), std::sin(bearing))));
   }
-  fill_gaps(is_taken, out.ranges);
-  return out;
+  return std::move(rebinned).finish();
 }
 
 }  // namespace cornerfix

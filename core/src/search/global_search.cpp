@@ -33,7 +33,9 @@ constexpr double kSeedMargin =
     0.15;  // as kRivalMargin, when no pose can be accepted now: what may win later
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
 constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
-constexpr double kMirrorMargin = 0.05;  // by which what was seen must fit better than its image
+constexpr double kMinMirrorWeight = 0.1;  // of a mirror image that explains what was seen [nat]
+constexpr double kMirrorBudgets = 0.5;    // work of a search for it, in budgets of one scan
+constexpr double kMirrorMargin = 0.05;    // by which what was seen must fit better than its image
 
 double free_area_of(GlobalSearch::Maps maps) {
   double area = 0.0;
@@ -47,8 +49,47 @@ void GlobalSearch::reset() { *this = GlobalSearch(params_); }
 
 void GlobalSearch::move_along(const Pose2& motion) {
   way_m_ += motion.translation().norm();
+  if (region_) region_->move_along(motion);
   if (whole_) whole_->motion = whole_->motion * motion;
   candidates_.move_along(motion);
+}
+
+// --- region
+
+void GlobalSearch::restrict_to(const StartRegion& region, const Pose2& T_start_base_link) {
+  region_.emplace(region, T_start_base_link);
+  region_area_.reset();
+}
+
+void GlobalSearch::lift_restriction() {
+  if (region_) whole_.reset();
+  region_.reset();
+}
+
+bool GlobalSearch::may_be_in(const LocalizationMap& map) const {
+  return !region_ || region_->is_in(map);
+}
+
+double GlobalSearch::searched_area_m2(Maps maps) {
+  const double all_m2 = free_area_of(maps);
+  if (!region_) return all_m2;
+  if (!region_area_ || region_area_->all_m2 != all_m2) {
+    region_area_ = RegionArea{.all_m2 = all_m2};
+    for (const LocalizationMapPtr& map : maps)
+      region_area_->region_m2 += region_->free_area_m2(*map);
+  }
+  return region_area_->region_m2;
+}
+
+void GlobalSearch::consider(const LocalizationMap& map, const View& view,
+                            const Candidate& candidate) {
+  if (region_) {
+    if (!region_->is_in(map)) return;
+    const Pose2 refined =
+        refined_coarse_to_fine(map.index().field, view.evidence.ends, candidate.T_map_base_link);
+    if (!region_->contains(refined)) return;
+  }
+  candidates_.consider(map, view, candidate);
 }
 
 // --- proposals
@@ -66,6 +107,7 @@ void GlobalSearch::propose(Maps maps, const View& view, std::uint64_t seed) {
 void GlobalSearch::match_corners(Maps maps, const View& view, std::uint64_t seed) {
   std::vector<std::pair<double, Candidate>> found;
   for (std::size_t map = 0; map < maps.size(); ++map) {
+    if (!may_be_in(*maps[map])) continue;
     for (const Hypothesis& one :
          hypotheses_from_corners(*maps[map], view.corners, view.evidence.ends, {.seed = seed})) {
       if (!candidates_.knows(map, one.T_map_base_link))
@@ -88,6 +130,7 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
   PoseEstimatorParams estimator = params_.estimator;
   estimator.seed = params_.seed;
   for (std::size_t map = 0; map < maps.size(); ++map) {
+    if (!may_be_in(*maps[map])) continue;
     const DescriptorIndex& index = maps[map]->index().descriptor_index;
     const std::vector<Feature>& mapped = maps[map]->features();
     const DescriptorSet local = describe(view.corners, index.params());
@@ -115,17 +158,22 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
 // --- verification
 
 void GlobalSearch::verify(Maps maps, const View& view) {
-  candidates_.set_free_area(free_area_of(maps));
+  const double area_m2 = searched_area_m2(maps);
+  candidates_.set_free_area(area_m2);
   candidates_.judge_again(maps, view);
-  for (const Candidate& place : proposed_) candidates_.consider(*maps[place.map], view, place);
+  for (const Candidate& place : proposed_) consider(*maps[place.map], view, place);
   if (is_outdated(maps)) whole_.reset();
   if (!whole_) rival_margin_ = kRivalMargin;  // of no search yet
   if (!whole_ && search_due(maps, view)) begin_search(maps, view);
   searched_ = whole_ && continue_search(view);
+  if (searched_) {
+    const bool is_hopeless = candidates_.empty() || !candidates_.may_be_accepted();
+    only_mirror_image_fits_ = is_hopeless && has_mirror_image(maps, view, area_m2);
+  }
 }
 
 bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked, bool search_maps) {
-  candidates_.set_free_area(free_area_of(maps));
+  candidates_.set_free_area(searched_area_m2(maps));
   candidates_.judge_again(maps, view);
   candidates_.consider(*maps[tracked.map], view, tracked);
   if (is_outdated(maps)) whole_.reset();
@@ -144,6 +192,7 @@ void GlobalSearch::begin_search(Maps maps, const View& view) {
   whole_ = WholeSearch();
   whole_->maps.assign(maps.begin(), maps.end());
   whole_->view = view;
+  whole_->region = region_;
   whole_->looks.resize(maps.size());
   searched_at_ = {view.evidence.ends.size(), way_m_};
   begin_pass();
@@ -183,7 +232,8 @@ bool GlobalSearch::search_due(Maps maps, const View& view) const {
   if (!candidates_.empty() && acceptable()) return true;
   if (params_.method != Method::kIndexed) return false;
   // Many maps wait for corners to choose among them, a while.
-  if (maps.size() > kFewMaps && view.corners.size() < kEnoughCorners && way_m_ < kWay) return false;
+  if (!region_ && maps.size() > kFewMaps && view.corners.size() < kEnoughCorners && way_m_ < kWay)
+    return false;
   return view.corners.size() < kEnoughCorners ? is_due(searched_at_, view, kGrowth, kWay)
                                               : is_due(searched_at_, view, kRareGrowth, kRareWay);
 }
@@ -221,7 +271,7 @@ bool GlobalSearch::continue_pass(const View& view, WorkBudget& budget) {
   }
   for (; !whole.order.empty(); whole.order.pop_back()) {
     const std::size_t map = whole.order.back();
-    if (asks_corners_of(map, whole.maps, whole.view)) continue;
+    if (!may_be_in(*whole.maps[map]) || asks_corners_of(map, whole.maps, whole.view)) continue;
     if (!search_map(map, view, budget)) return false;
   }
   rival_margin_ = std::min(kRivalMargin, whole.best - whole.searched_down_to);
@@ -231,7 +281,10 @@ bool GlobalSearch::continue_pass(const View& view, WorkBudget& budget) {
 bool GlobalSearch::search_map(std::size_t map, const View& view, WorkBudget& budget) {
   WholeSearch& whole = *whole_;
   std::optional<Look>& look = whole.looks[map];
-  if (!look) look.emplace(whole.maps[map]->index().place_search, whole.view);
+  if (!look) {
+    look.emplace(whole.maps[map]->index().place_search, whole.view,
+                 PlaceSearchParams{.region = whole.region});
+  }
   double least = whole.best - margin_to_look_at();
   while (look->places < kMaxPlacesPerMap) {
     least = whole.best - margin_to_look_at();
@@ -239,8 +292,7 @@ bool GlobalSearch::search_map(std::size_t map, const View& view, WorkBudget& bud
     if (place) {
       ++look->places;
       whole.best = std::max(whole.best, place->mean_weight);
-      candidates_.consider(*whole.maps[map], view,
-                           {map, place->T_map_base_link * whole.motion, 0, 0, {}});
+      consider(*whole.maps[map], view, {map, place->T_map_base_link * whole.motion, 0, 0, {}});
       budget.charge(kWorkPerCandidate);
     }
     if (budget.is_spent()) return false;
@@ -258,7 +310,8 @@ bool GlobalSearch::asks_corners_of(std::size_t map, Maps maps, const View& view)
     const EvidenceScore& best = candidates_.best().score;
     return place.map == map && place.score.fit >= best.fit - margin * best.ends;
   });
-  return maps.size() > kFewMaps && !may_have_robot && view.corners.size() >= kEnoughCorners;
+  return !region_ && maps.size() > kFewMaps && !may_have_robot &&
+         view.corners.size() >= kEnoughCorners;
 }
 
 void GlobalSearch::look_by_corners(std::size_t map, const View& view, double min_mean_weight) {
@@ -266,7 +319,7 @@ void GlobalSearch::look_by_corners(std::size_t map, const View& view, double min
   for (const Hypothesis& one :
        hypotheses_from_corners(searched, whole_->view.corners, whole_->view.evidence.ends,
                                {.min_mean_weight = min_mean_weight - kCornerSlack}))
-    candidates_.consider(searched, view, {map, one.T_map_base_link * whole_->motion, 0, 0, {}});
+    consider(searched, view, {map, one.T_map_base_link * whole_->motion, 0, 0, {}});
 }
 
 /// How far below the best candidate, per hit, a pose may lie and still matter. An endless minimum
@@ -296,13 +349,39 @@ double GlobalSearch::optimistic_mean(Maps maps, const View& view, const Candidat
       view.evidence.ends, view.way, PlaceSearchParams{}.max_points, place.T_map_base_link);
 }
 
+/// Whether a map explains the mirror image of what was seen, and clearly better than the best
+/// candidate explains what was seen.
+bool GlobalSearch::has_mirror_image(Maps maps, const View& view, double free_area_m2) const {
+  if (maps.size() > kFewMaps && !region_) return false;
+  const View image = mirrored(view);
+  const PlaceSearchParams search{.region =
+                                     region_ ? std::optional(region_->mirrored()) : std::nullopt};
+  Candidates images(params_.acceptance);
+  images.set_free_area(free_area_m2);
+  WorkBudget budget(kMirrorBudgets * params_.search_budget_ms);
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    if (!may_be_in(*maps[map])) continue;
+    PlaceSearch::Run run(maps[map]->index().place_search, image.evidence.ends, image.way, search);
+    if (const auto place = run.next(kMinMirrorWeight, budget))
+      images.consider(*maps[map], image, {map, place->T_map_base_link, 0, 0, {}});
+  }
+  if (images.empty()) return false;
+  const EvidenceScore& best = images.best().score;
+  const double fit =
+      candidates_.empty() ? kMinPlaceWeight * best.ends : candidates_.best().score.fit;
+  return best.fit >= fit + kMirrorMargin * best.ends &&
+         images.terms_without_rivals(kRivalMargin).probability_explained >=
+             params_.acceptance.min_probability;
+}
+
 bool GlobalSearch::mirror_image_fits_better(Maps maps, const View& view) const {
   const Candidate& best = candidates_.best();
   const LocalizationMap& map = *maps[best.map];
   const View image = mirrored(view);
   const PlaceSearchParams search{
       .min_mean_weight = optimistic_mean(maps, view, best) - kMirrorSlack,
-      .max_mean_gap = kMirrorSlack};
+      .max_mean_gap = kMirrorSlack,
+      .region = region_ ? std::optional(region_->mirrored()) : std::nullopt};
   return std::ranges::any_of(
       map.index().place_search.find(image.evidence.ends, image.way, search),
       [&](const Place& place) {

@@ -15,10 +15,12 @@
 #include <vector>
 
 #include <cornerfix/localizer_params.hpp>
+#include <cornerfix/start_region.hpp>
 
 #include "core/src/local_map/view.hpp"
 #include "core/src/search/candidates.hpp"
 #include "core/src/search/place_search.hpp"
+#include "core/src/search/search_region.hpp"
 #include "core/src/search/work_budget.hpp"
 
 namespace cornerfix {
@@ -34,6 +36,12 @@ class GlobalSearch {
   /// Forgets all: what comes is not where the robot was.
   void reset();
   void move_along(const Pose2& motion);
+
+  /// Restricts the search. The robot has moved by `T_start_base_link` since its first scan.
+  void restrict_to(const StartRegion& region, const Pose2& T_start_base_link);
+  /// Poses everywhere may be searched from now on.
+  void lift_restriction();
+  [[nodiscard]] bool is_restricted() const { return region_.has_value(); }
 
   /// Where the robot may be by what it sees, to be verified. `seed` varies random draws.
   void propose(Maps maps, const View& view, std::uint64_t seed);
@@ -59,6 +67,8 @@ class GlobalSearch {
   /// Whether the best candidate's map holds the mirror image of what was seen, and better: then
   /// what was seen is symmetric, or the lidar is mounted upside down.
   [[nodiscard]] bool mirror_image_fits_better(Maps maps, const View& view) const;
+  /// Whether the last search that found nothing to accept found the mirror image of what was seen.
+  [[nodiscard]] bool only_mirror_image_fits() const { return only_mirror_image_fits_; }
 
  private:
   /// When something was last done: by how much was seen and driven then.
@@ -69,7 +79,8 @@ class GlobalSearch {
 
   /// Into one map, as far as it has come.
   struct Look {
-    Look(const PlaceSearch& map, const View& view) : run(map, view.evidence.ends, view.way, {}) {}
+    Look(const PlaceSearch& map, const View& view, const PlaceSearchParams& params)
+        : run(map, view.evidence.ends, view.way, params) {}
     PlaceSearch::Run run;
     std::size_t places = 0;
   };
@@ -78,6 +89,7 @@ class GlobalSearch {
   struct WholeSearch {
     std::vector<LocalizationMapPtr> maps;    ///< Kept alive.
     View view;                               ///< When it began,
+    std::optional<SearchRegion> region;      ///< when it began,
     Pose2 motion;                            ///< of base_link since then.
     std::vector<std::optional<Look>> looks;  ///< By map.
     // One pass over the maps. A second one follows if the first finds a pose that deserves a deeper
@@ -89,11 +101,20 @@ class GlobalSearch {
     double searched_down_to = 0.0;
   };
 
+  struct RegionArea {
+    double all_m2 = 0.0;     ///< Of the maps that it was made from: to notice new ones.
+    double region_m2 = 0.0;  ///< Of the region.
+  };
+
   void match_corners(Maps maps, const View& view, std::uint64_t seed);
   void match_descriptors(Maps maps, const View& view, std::uint64_t seed);
   [[nodiscard]] bool is_due(const Moment& last, const View& view, double growth,
                             double way_m) const;
   [[nodiscard]] bool search_due(Maps maps, const View& view) const;
+  [[nodiscard]] double searched_area_m2(Maps maps);
+  [[nodiscard]] bool may_be_in(const LocalizationMap& map) const;
+  /// Considers a candidate that may be the robot's, after its refinement.
+  void consider(const LocalizationMap& map, const View& view, const Candidate& candidate);
   [[nodiscard]] bool is_outdated(Maps maps) const;
   [[nodiscard]] double best_mean() const;
   void begin_search(Maps maps, const View& view);
@@ -107,11 +128,14 @@ class GlobalSearch {
   [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
   void look_by_corners(std::size_t map, const View& view, double min_mean_weight);
   [[nodiscard]] double margin_to_look_at() const;
+  [[nodiscard]] bool has_mirror_image(Maps maps, const View& view, double free_area_m2) const;
   [[nodiscard]] std::vector<std::size_t> likeliest_last(std::size_t maps) const;
   /// The weight of a candidate in a search.
   [[nodiscard]] static double optimistic_mean(Maps maps, const View& view, const Candidate& place);
 
   LocalizerParams params_;
+  std::optional<SearchRegion> region_;  ///< Where the robot may be now; nothing: everywhere.
+  std::optional<RegionArea> region_area_;
   Candidates candidates_;
   std::optional<WholeSearch> whole_;
   std::vector<Candidate> proposed_;
@@ -119,6 +143,7 @@ class GlobalSearch {
   Moment matched_;
   Moment searched_at_;
   bool searched_ = false;
+  bool only_mirror_image_fits_ = false;
   double rival_margin_ = kRivalMargin;  ///< Farther below the best, a hit, none was looked for.
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -159,6 +160,26 @@ class Frontier {
   std::int32_t top_ = -1;
 };
 
+/// Columns of blocks, from `first` to before `end`.
+struct ColumnRange {
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
+/// The blocks of one heading that touch a disc; `disc` is in units of blocks, and the middle of
+/// block i is at i.
+ColumnRange columns_within(const Disc& disc, std::size_t row, std::size_t columns) {
+  const double reach = disc.radius_m + std::numbers::sqrt2 / 2.0;
+  const double across = static_cast<double>(row) - disc.center.y();
+  if (std::abs(across) > reach) return {};
+  const double half = std::sqrt(reach * reach - across * across);
+  const auto column = [&](double at) {
+    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(columns)));
+  };
+  return {column(std::ceil(disc.center.x() - half)),
+          column(std::floor(disc.center.x() + half) + 1.0)};
+}
+
 /// Sums of the four cells of a block, in the 16-bit lanes of two words.
 class FourSums {
  public:
@@ -218,6 +239,11 @@ struct PlaceSearch::Run::State {
                       WorkBudget& budget) const;
   void expand(Node block, int threshold, WorkBudget& budget);
   [[nodiscard]] bool is_known(const Node& node) const;
+  [[nodiscard]] bool may_have_heading(int rotation) const;
+  /// Where the region leaves room for the centres of blocks at one heading, in units of blocks;
+  /// endless without a region.
+  [[nodiscard]] Disc region_in_blocks(int rotation) const;
+  [[nodiscard]] bool is_in_region(const Node& node) const;
 
   /// What a sample of the ends must sum up to where all points are to reach the threshold.
   [[nodiscard]] int sampled_least(const Sample& sample, int threshold) const {
@@ -308,6 +334,8 @@ void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
   const std::size_t stride = fields.ends.blocks_a_row();
   const auto blocks_x = static_cast<std::size_t>((fields.inner_width + kBlock - 1) / kBlock);
   const auto blocks_y = static_cast<std::size_t>((fields.inner_height + kBlock - 1) / kBlock);
+  if (!may_have_heading(rotation)) return;
+  const Disc disc = region_in_blocks(rotation);
   const auto from = [](const BlockField& field, const CellOffset& offset) {
     return field.maxima_from(kBorder + offset.x, kBorder + offset.y);
   };
@@ -330,9 +358,10 @@ void PlaceSearch::Run::State::collect_blocks(int rotation, int least, int below,
   StripSums sums;
   std::size_t groups = 0;
   for (std::size_t row = 0; row < blocks_y; ++row) {
-    for (std::size_t column = 0; column < blocks_x; column += kStrip) {
+    const ColumnRange columns = columns_within(disc, row, blocks_x);
+    for (std::size_t column = columns.first; column < columns.end; column += kStrip) {
       const std::size_t at = row * stride + column;
-      const std::size_t count = std::min(kStrip, blocks_x - column);
+      const std::size_t count = std::min(kStrip, columns.end - column);
       if (std::memchr(robot + at, kWayFree, count) == nullptr) continue;
       if (!sum_strip(steps, robot, kWayFree, at, sums, groups)) continue;
       for (std::size_t i = 0; i < count; ++i) {
@@ -363,12 +392,34 @@ void PlaceSearch::Run::State::expand(Node block, int threshold, WorkBudget& budg
     if (block.bound < threshold) return open.push(block);
   }
   for (int cell = 0; cell < 4; ++cell) {
-    const int x = block.x + cell % 2;
-    const int y = block.y + cell / 2;
-    if (x < kBorder + fields.inner_width && y < kBorder + fields.inner_height &&
-        fields.way.cell(x + here.robot.x, y + here.robot.y) == kWayFree)
-      open.push({sums[cell], x, y, block.rotation, false});
+    const Node one{sums[cell], block.x + cell % 2, block.y + cell / 2, block.rotation, false};
+    if (one.x < kBorder + fields.inner_width && one.y < kBorder + fields.inner_height &&
+        fields.way.cell(one.x + here.robot.x, one.y + here.robot.y) == kWayFree &&
+        is_in_region(one))
+      open.push(one);
   }
+}
+
+bool PlaceSearch::Run::State::may_have_heading(int rotation) const {
+  const double yaw = rotation * kHeadingStep + fields.T_map_grid.yaw;
+  return !params.region || params.region->has_heading(yaw, 0.5 * kHeadingStep);
+}
+
+Disc PlaceSearch::Run::State::region_in_blocks(int rotation) const {
+  if (!params.region) return {Point2::Zero(), std::numeric_limits<double>::infinity()};
+  const double yaw = rotation * kHeadingStep;
+  const Disc base_link =
+      params.region->positions_at(yaw + fields.T_map_grid.yaw, 0.5 * kHeadingStep);
+  const Point2 center = inverse(fields.T_map_grid) * base_link.center +
+                        Pose2{0.0, 0.0, yaw} * points.center_base_link;
+  const double block_m = kBlock * fields.cell_m;
+  return {center / block_m - Point2(0.5, 0.5), base_link.radius_m / block_m};
+}
+
+bool PlaceSearch::Run::State::is_in_region(const Node& node) const {
+  return !params.region ||
+         params.region->contains(fields.T_map_grid * pose_of(node),
+                                 std::numbers::sqrt2 / 2.0 * fields.cell_m, 0.5 * kHeadingStep);
 }
 
 bool PlaceSearch::Run::State::is_known(const Node& node) const {

@@ -19,6 +19,7 @@
 #include <cornerfix/pose2.hpp>
 
 #include "core/src/map/evidence_model.hpp"
+#include "core/src/search/search_region.hpp"
 
 namespace cornerfix {
 
@@ -31,6 +32,7 @@ struct PlaceSearchParams {
   double distinct_angle_rad = 0.26;  ///< turned by less than this are one.
   std::size_t max_expansions =
       150'000;  ///< Bounds the work; the best places found by then are returned.
+  std::optional<SearchRegion> region{};  ///< Poses outside are not searched.
 };
 
 struct Place {

@@ -68,7 +68,8 @@ Pose2 LidarOdometry::Impl::process(const RobotScan& scan) {
   }
   last_motion = inverse(T_submap_base_link) * now_at;
   T_submap_base_link = now_at;
-  if (!points.empty() && submap.wants(now_at)) keep(scan.scan, scan.T_base_link_laser);
+  if (!points.empty() && submap.wants(now_at, scan.T_base_link_laser))
+    keep(scan.scan, scan.T_base_link_laser);
   return now_at;
 }
 
@@ -101,7 +102,8 @@ void LidarOdometry::Impl::resume(std::span<const PosedScan> track) {
   }
   for (const PosedScan& scan : track.subspan(first)) {
     T_submap_base_link = scan.T_map_base_link;
-    if (submap.wants(T_submap_base_link)) keep(scan.scan, scan.T_base_link_laser);
+    if (submap.wants(T_submap_base_link, scan.T_base_link_laser))
+      keep(scan.scan, scan.T_base_link_laser);
   }
 }
 

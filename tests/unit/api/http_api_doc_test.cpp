@@ -34,6 +34,7 @@ std::vector<nlohmann::json> answers_in(const std::string& text) {
 std::string schema_of(const nlohmann::json& answer) {
   for (const auto& [member, schema] : std::vector<std::pair<const char*, const char*>>{
            {"type", "Problem"},
+           {"agvPosition", "Vda5050State"},
            {"warnings", "FloorMapResult"},
            {"digest", "Map"},
            {"summary", "Report"},

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "api/answer_profiles.hpp"
 #include "api/json_codec.hpp"
 #include "api/params_codec.hpp"
 #include "api/problem.hpp"
@@ -219,6 +220,7 @@ TEST(Openapi, HasRequestExamplesThatAreTaken) {
       {"createSession", [&](auto& body) { expect_taken(parse_create_session(body, json), body); }},
       {"postSessionScans",
        [&](auto& body) { expect_taken(parse_session_scans(body, json, lidar, {}), body); }},
+      {"resetSession", [&](auto& body) { expect_taken(parse_reset(body, json), body); }},
   };
   std::set<std::string> taken;
   for_each_operation([&](const std::string& where, const nlohmann::json& operation) {
@@ -283,7 +285,9 @@ TEST(OpenapiSchema, HasEveryStatusAndReason) {
        {Status::kCollecting, Status::kAmbiguous, Status::kLocalized, Status::kLost}) {
     for (const Reason reason :
          {Reason::kNone, Reason::kNoReturns, Reason::kFewFeatures, Reason::kNoMotion,
-          Reason::kNoMatch, Reason::kFewEvidence, Reason::kContradicted}) {
+          Reason::kNoMatch, Reason::kFewEvidence, Reason::kContradicted,
+          Reason::kOdometryContradictsScans, Reason::kSearching, Reason::kPriorContradicted,
+          Reason::kMirroredScans}) {
       Answer answer;
       answer.status = status;
       answer.reason = reason;
@@ -322,7 +326,37 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
   entry.maps = maps;
   entry.last_answer = &answer;
+  entry.superseded_by = "t";
+  entry.region = StartRegion{
+      .map = "office", .center = {1.0, 2.0}, .radius_m = 3.0, .yaw = 0.5, .yaw_tolerance_rad = 0.8};
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
+  Lidars lidars;
+  lidars.by_name["front"] = {-1.0, 0.5, 0.1, 10.0, {}, {}};
+  lidars.by_name["front"].tilt = {.roll = 3.1, .pitch = 0.1};
+  const std::string several = lidars_to_json(lidars);
+  entry.lidar_json = several;
+  const Json session = render_session(entry);
+  EXPECT_THAT(misfits("Session", session), IsEmpty());
+  EXPECT_TRUE(session["lidar"].is_null());
+  EXPECT_EQ(session["lidars"]["front"]["mount"]["pitch"], 0.1);
+}
+
+TEST(OpenapiSchema, IsWhatProfilesFit) {
+  const auto map = std::make_shared<const LocalizationMap>("office", 7, MapContent{});
+  Answer answer;
+  const Json nothing = render_answer(answer, {"s", 0, 0.0});
+  answer.status = Status::kLocalized;
+  answer.pose = LocalizedPose{map, {1.0, 2.0, 3.0}, {}};
+  answer.hypotheses = {{.map = map,
+                        .T_map_base_link = {1.0, 2.0, 3.0},
+                        .votes = 4,
+                        .inliers = 5,
+                        .score = 0.5,
+                        .evidence = {}}};
+  for (const Json& one : {nothing, render_answer(answer, {"s", 3, 12.5})}) {
+    EXPECT_THAT(misfits("RosAnswer", in_profile(one, AnswerProfile::kRos)), IsEmpty());
+    EXPECT_THAT(misfits("Vda5050State", in_profile(one, AnswerProfile::kVda5050)), IsEmpty());
+  }
 }
 
 TEST(OpenapiSchema, IsWhatProblemsFit) {

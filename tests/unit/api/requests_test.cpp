@@ -393,6 +393,147 @@ TEST(CreateSession, AppliesOptionsToTheDefaults) {
   EXPECT_EQ(params_from_json(request.options_json).seed, request.params.seed);
 }
 
+Parsed<CreateSessionRequest> session_near(const std::string& near) {
+  return parse_create_session(
+      std::string(R"({"robot": "r2", "lidar": )") + kLidarText + R"(, "near": )" + near + "}",
+      BodyFormat::kJson);
+}
+
+TEST(CreateSession, TakesWhereTheRobotMayBe) {
+  EXPECT_FALSE(taken(session_near("null")).region.has_value());
+  EXPECT_EQ(taken(session_near(R"({"x": 1.5, "y": -2, "radius_m": 3})")).region,
+            (StartRegion{.center = {1.5, -2.0}, .radius_m = 3.0}));
+  EXPECT_EQ(taken(session_near(R"({"map": "a", "x": 1, "y": 2, "radius_m": 3, "yaw": 7,
+                                   "yaw_tolerance_rad": 0.25})"))
+                .region,
+            (StartRegion{.map = "a",
+                         .center = {1.0, 2.0},
+                         .radius_m = 3.0,
+                         .yaw = wrap_angle(7.0),
+                         .yaw_tolerance_rad = 0.25}));
+  EXPECT_EQ(
+      taken(session_near(R"({"x": 1, "y": 2, "radius_m": 3, "yaw": 0})")).region->yaw_tolerance_rad,
+      0.8);
+}
+
+TEST(CreateSession, SaysWhichMemberOfNearIsWrong) {
+  const auto pointer_of = [](const std::string& near) {
+    const auto parsed = session_near(near);
+    const auto* problem = std::get_if<Problem>(&parsed);
+    if (problem == nullptr || problem->errors.size() != 1) return std::string("not one error");
+    EXPECT_EQ(problem->status, 422);
+    return problem->errors.front().pointer;
+  };
+  EXPECT_EQ(pointer_of("5"), "/near");
+  EXPECT_EQ(pointer_of(R"({"y": 2, "radius_m": 3})"), "/near/x");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": "2", "radius_m": 3})"), "/near/y");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2})"), "/near/radius_m");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 0})"), "/near/radius_m");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "map": 7})"), "/near/map");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "yaw": "east"})"), "/near/yaw");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "yaw": 0, "yaw_tolerance_rad": 4})"),
+            "/near/yaw_tolerance_rad");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "yaw_tolerance_rad": 1})"),
+            "/near/yaw_tolerance_rad");
+  EXPECT_EQ(pointer_of(R"({"x": 1, "y": 2, "radius_m": 3, "z": 0})"), "/near/z");
+}
+
+TEST(Reset, TakesWhereTheRobotIsNowOrNothing) {
+  EXPECT_FALSE(taken(parse_reset("{}", BodyFormat::kJson)).region.has_value());
+  EXPECT_EQ(
+      taken(parse_reset(R"({"near": {"x": 1, "y": 2, "radius_m": 3}})", BodyFormat::kJson)).region,
+      (StartRegion{.center = {1.0, 2.0}, .radius_m = 3.0}));
+  const auto unknown = parse_reset(R"({"pose": {}})", BodyFormat::kJson);
+  EXPECT_EQ(std::get<Problem>(unknown).errors.front().pointer, "/pose");
+}
+
+// --- Several lidars
+
+std::string lidars_text() {
+  return std::string(R"({"front": )") + kLidarText + R"(, "rear": {
+      "angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 5,
+      "mount": {"x": -0.2, "y": 0, "yaw": 3, "roll": 3.1415926, "pitch": 0.1}}})";
+}
+
+Parsed<CreateSessionRequest> session_with_lidars(const std::string& lidars) {
+  return parse_create_session(R"({"robot": "r2", "lidars": )" + lidars + "}", BodyFormat::kJson);
+}
+
+TEST(CreateSession, TakesSeveralLidarsOrNone) {
+  const auto request = taken(session_with_lidars(lidars_text()));
+  ASSERT_EQ(request.lidars.by_name.size(), 2U);
+  EXPECT_FALSE(request.lidars.only.has_value());
+  EXPECT_EQ(request.lidars.by_name.at("rear").T_base_link_laser, (Pose2{-0.2, 0.0, 3.0}));
+  EXPECT_EQ(request.lidars.by_name.at("rear").tilt, (LidarTilt{.roll = 3.1415926, .pitch = 0.1}));
+  EXPECT_EQ(lidars_from_json(request.lidar_json), request.lidars);
+  const auto none = taken(parse_create_session(R"({"robot": "r2"})", BodyFormat::kJson));
+  EXPECT_EQ(none.lidars, Lidars());
+  EXPECT_EQ(lidars_from_json(none.lidar_json), Lidars());
+  EXPECT_FALSE(lidars_from_json(R"({"lidars": {"front": {}}})").has_value());
+}
+
+TEST(CreateSession, SaysWhichOfTheLidarsIsWrong) {
+  const auto pointer_of = [](const std::string& lidars) {
+    const auto parsed = session_with_lidars(lidars);
+    const auto* problem = std::get_if<Problem>(&parsed);
+    return problem == nullptr ? "no error" : problem->errors.front().pointer;
+  };
+  EXPECT_EQ(pointer_of("[]"), "/lidars");
+  EXPECT_EQ(pointer_of("{}"), "/lidars");
+  EXPECT_EQ(pointer_of(R"({"front": null})"), "/lidars/front");
+  EXPECT_EQ(pointer_of(R"({"front": 5})"), "/lidars/front");
+  EXPECT_EQ(pointer_of(R"({"front": {"angle_min": "x"}})"), "/lidars/front/angle_min");
+  EXPECT_EQ(pointer_of(std::string(R"({"../x": )") + kLidarText + "}"), "/lidars/..~1x");
+}
+
+Parsed<SessionScansRequest> scans_of_two(const std::string& scans) {
+  const Lidars lidars = taken(session_with_lidars(lidars_text())).lidars;
+  return parse_session_scans(session_batch(scans), BodyFormat::kJson, lidars, {});
+}
+
+TEST(SessionScans, OfSeveralLidarsHaveTheirGeometryAndTheOrderOfTheirStamps) {
+  const auto request = taken(scans_of_two(R"({"stamp": 1.1, "lidar": "front", "ranges": [1, 2, 3]},
+                            {"stamp": 1.3, "lidar": "front", "ranges": [1, 2, 3]},
+                            {"stamp": 1.1, "lidar": "rear", "ranges": [1, 2]})"));
+  ASSERT_EQ(request.scans.size(), 3U);
+  EXPECT_EQ(request.scans[0].scan.angle_min, -1.0);
+  EXPECT_EQ(request.scans[1].scan.stamp, 1.1);
+  EXPECT_EQ(request.scans[1].T_base_link_laser, (Pose2{-0.2, 0.0, 3.0}));
+  EXPECT_LT(request.scans[1].scan.angle_increment, 0.0) << "it hangs upside down";
+  EXPECT_EQ(request.scans[2].scan.stamp, 1.3);
+}
+
+TEST(SessionScans, OfSeveralLidarsNameOneOfThem) {
+  const auto error_of = [](const std::string& scans) {
+    const auto parsed = scans_of_two(scans);
+    const auto* problem = std::get_if<Problem>(&parsed);
+    return problem == nullptr ? FieldError{} : problem->errors.front();
+  };
+  EXPECT_EQ(error_of(R"({"stamp": 1, "ranges": [1]})").pointer, "/scans/0/lidar");
+  const FieldError unknown = error_of(R"({"stamp": 1, "lidar": "left", "ranges": [1]})");
+  EXPECT_EQ(unknown.pointer, "/scans/0/lidar");
+  EXPECT_EQ(unknown.detail, "must be a lidar of the session: front, rear");
+  EXPECT_EQ(error_of(R"({"stamp": 2, "lidar": "rear", "ranges": [1]},
+                        {"stamp": 3, "lidar": "front", "ranges": [1]},
+                        {"stamp": 2, "lidar": "rear", "ranges": [1]})")
+                .pointer,
+            "/scans/2/stamp");
+}
+
+TEST(SessionScans, NeedNoLidarWhenEachBringsItsGeometry) {
+  const auto request = taken(parse_session_scans(
+      session_batch(R"({"stamp": 1, "angle_min": 0, "angle_increment": 0.1, "range_min": 0,
+                        "range_max": 5, "ranges": [1, 2],
+                        "mount": {"x": 0.3, "y": 0, "yaw": 0, "roll": 3.1415926}})"),
+      BodyFormat::kJson, Lidars(), {}));
+  ASSERT_EQ(request.scans.size(), 1U);
+  EXPECT_EQ(request.scans[0].T_base_link_laser, (Pose2{0.3, 0.0, 0.0}));
+  EXPECT_LT(request.scans[0].scan.angle_increment, 0.0);
+  const auto parsed = parse_session_scans(session_batch(R"({"stamp": 1, "ranges": [1, 2]})"),
+                                          BodyFormat::kJson, Lidars(), {});
+  EXPECT_EQ(std::get<Problem>(parsed).errors.front().pointer, "/lidar");
+}
+
 TEST(Localize, TakesScansAndOptions) {
   const auto request = taken(parse_localize(
       std::string(R"({"lidar": )") + kLidarText +

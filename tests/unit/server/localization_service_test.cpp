@@ -24,11 +24,13 @@ class LocalizationServiceTest : public ServiceTest {
     api::CreateSessionRequest request;
     request.robot = robot;
     request.maps = std::move(maps);
-    request.lidar.angle_min = scan.angle_min;
-    request.lidar.angle_increment = scan.angle_increment;
-    request.lidar.range_min = scan.range_min;
-    request.lidar.range_max = scan.range_max;
-    request.lidar_json = api::lidar_to_json(request.lidar);
+    request.lidars.only = api::Lidar{.angle_min = scan.angle_min,
+                                     .angle_increment = scan.angle_increment,
+                                     .range_min = scan.range_min,
+                                     .range_max = scan.range_max,
+                                     .beams = {},
+                                     .T_base_link_laser = {}};
+    request.lidar_json = api::lidars_to_json(request.lidars);
     return request;
   }
 
@@ -197,6 +199,37 @@ TEST_F(LocalizationServiceTest, StartsAnewAfterAReset) {
   auto early = batch(0);
   early.sequence = 5;
   answer(process_, id, early);  // Its stamps lie before those of the last batch.
+}
+
+TEST_F(LocalizationServiceTest, ARegionRestrictsTheSearchUntilAReset) {
+  api::CreateSessionRequest request = session_of("cart-7");
+  const StartRegion region{.map = "office", .center = {5.0, 5.0}, .radius_m = 8.0};
+  request.region = region;
+  const std::string id = service_.create(request).value().value().id;
+  EXPECT_EQ(service_.find(id)->region, region);
+  answer(process_, id, batch(0));
+  EXPECT_EQ(service_.find(id)->region, region);
+  EXPECT_EQ(Process(file()).localization.find(id)->region, region) << "after a restart";
+  EXPECT_EQ(service_.list({}).value().sessions.front().region, region);
+  const StartRegion other{.center = {1.0, 5.0}, .radius_m = 1.0};
+  EXPECT_EQ(service_.reset(id, other)->region, other);
+  EXPECT_FALSE(service_.reset(id)->region.has_value());
+}
+
+TEST_F(LocalizationServiceTest, RefusesARegionInAMapThatIsNotSearched) {
+  make_map(process_, "hall");
+  api::CreateSessionRequest request = session_of("cart-7");
+  request.region = StartRegion{.map = "hall", .radius_m = 1.0};
+  const auto refused = service_.create(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().field, "/near/map");
+  request.maps.clear();
+  EXPECT_TRUE(service_.create(request)) << "every map is searched";
+  request.region->map = "nowhere";
+  EXPECT_EQ(service_.create(request).error().code, ErrorCode::kNotFound);
+  const std::string id = create(process_);
+  EXPECT_EQ(service_.reset(id, request.region).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST_F(LocalizationServiceTest, GoesOnAfterARestartAsIfThereHadBeenNone) {
@@ -415,6 +448,62 @@ TEST_F(LocalizationServiceTest, RemovesSessionsThatWereNotUsedForLong) {
   const std::string id = create(process_);
   Process later(file(), {}, {.expired_before = [] { return std::string("2024-06-01T12:00:00Z"); }});
   EXPECT_EQ(later.localization.find(id).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(LocalizationServiceTest, ASessionThatIsSilentForLongIsStale) {
+  const std::string id = create(process_);
+  EXPECT_FALSE(service_.find(id)->is_stale);
+  const auto at = [this](const std::string& stale_before) {
+    return Process(file(), {}, {.stale_before = [=] { return stale_before; }});
+  };
+  Process soon = at("2024-05-01T12:00:00Z");
+  EXPECT_FALSE(soon.localization.find(id)->is_stale);
+  EXPECT_FALSE(soon.localization.list({}).value().sessions.front().is_stale);
+  Process later = at("2024-05-01T12:00:01Z");
+  EXPECT_TRUE(later.localization.find(id)->is_stale);
+  EXPECT_TRUE(later.localization.list({}).value().sessions.front().is_stale);
+}
+
+TEST_F(LocalizationServiceTest, NamesTheNewestSessionOfTheRobotInTheOlderOnes) {
+  const std::string first = create(process_);
+  EXPECT_EQ(service_.find(first)->superseded_by, "");
+  const std::string other = service_.create(session_of("cart-8")).value().value().id;
+  const std::string second = create(process_);
+  const std::string third = create(process_);
+  EXPECT_EQ(service_.find(first)->superseded_by, third);
+  EXPECT_EQ(service_.find(second)->superseded_by, third);
+  EXPECT_EQ(service_.find(third)->superseded_by, "");
+  EXPECT_EQ(service_.find(other)->superseded_by, "");
+  const auto sessions = service_.list({}).value().sessions;
+  ASSERT_EQ(sessions.size(), 4U);
+  EXPECT_EQ(sessions[0].superseded_by, third);
+  EXPECT_EQ(sessions[3].superseded_by, "");
+  ASSERT_TRUE(service_.remove(third));
+  EXPECT_EQ(service_.find(first)->superseded_by, second);
+}
+
+TEST_F(LocalizationServiceTest, AConflictHasTheStampOfTheLastScan) {
+  const std::string id = create(process_);
+  EXPECT_FALSE(service_.post_scans(id, batch(1))->last_stamp.has_value());
+  answer(process_, id, batch(0));
+  const double last = drive_.scans[2].scan.stamp;
+  EXPECT_EQ(service_.post_scans(id, batch(5))->last_stamp, last);
+  EXPECT_EQ(Process(file()).localization.post_scans(id, batch(5))->last_stamp, last);
+  auto other = batch(1);
+  other.sequence = 0;
+  EXPECT_EQ(service_.post_scans(id, other)->last_stamp, last);
+}
+
+TEST_F(LocalizationServiceTest, AfterAResetTheLastAnswerIsNoLongerShown) {
+  const std::string id = create(process_);
+  const std::string last = answer(process_, id, batch(0));
+  ASSERT_TRUE(service_.reset(id));
+  EXPECT_EQ(service_.find(id)->last_answer, "");
+  EXPECT_EQ(Process(file()).localization.find(id)->last_answer, "");
+  EXPECT_EQ(service_.list({}).value().sessions.front().last_answer, "");
+  EXPECT_EQ(answer(process_, id, batch(0)), last) << "but comes again for a batch that was lost";
+  const std::string next = answer(process_, id, batch(1));
+  EXPECT_EQ(service_.find(id)->last_answer, next);
 }
 
 TEST_F(LocalizationServiceTest, ListsSessionsInPages) {

@@ -27,14 +27,27 @@ TEST(ContentType, RefusesOthers) {
 TEST(Accept, IsJsonUnlessAnotherIsAskedFor) {
   for (const char* accept : {"", "*/*", "application/*", "text/html", "application/json",
                              "text/html, */*;q=0.1", "application/cbor;q=0"}) {
-    EXPECT_EQ(best_format(accept), BodyFormat::kJson) << accept;
+    EXPECT_EQ(best_format(accept).body, BodyFormat::kJson) << accept;
   }
 }
 
 TEST(Accept, TakesTheOneLikedBest) {
-  EXPECT_EQ(best_format("application/cbor"), BodyFormat::kCbor);
-  EXPECT_EQ(best_format("application/json;q=0.5, application/msgpack"), BodyFormat::kMessagePack);
-  EXPECT_EQ(best_format("application/json;q=0.9,application/cbor;q=0.8"), BodyFormat::kJson);
+  EXPECT_EQ(best_format("application/cbor").body, BodyFormat::kCbor);
+  EXPECT_EQ(best_format("application/json;q=0.5, application/msgpack").body,
+            BodyFormat::kMessagePack);
+  EXPECT_EQ(best_format("application/json;q=0.9,application/cbor;q=0.8").body, BodyFormat::kJson);
+}
+
+TEST(Accept, MayNameAProfile) {
+  using api::AnswerProfile;
+  const auto profile = [](const char* accept) { return best_format(accept).profile; };
+  EXPECT_EQ(profile("application/json"), AnswerProfile::kPlain);
+  EXPECT_EQ(profile("application/json; profile=ros"), AnswerProfile::kRos);
+  EXPECT_EQ(profile("application/json;Profile=\"VDA5050\";q=0.5"), AnswerProfile::kVda5050);
+  EXPECT_EQ(profile("application/json;profile=ros;q=0.5, application/json"), AnswerProfile::kPlain);
+  EXPECT_EQ(profile("application/json;profile=other"), AnswerProfile::kPlain);
+  EXPECT_EQ(best_format("application/cbor;profile=ros"),
+            (AnswerFormat{BodyFormat::kCbor, AnswerProfile::kRos}));
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ struct SessionLimits {
   std::size_t max_per_robot = 100;
   NowText expired_before{};
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
+  NowText stale_before{};
 };
 
 /// What one process would hold. Several may share a file.
@@ -49,7 +50,8 @@ struct Process {
                       .max_session_bytes = session_limits.max_bytes,
                       .max_sessions_per_robot = session_limits.max_per_robot,
                       .max_searched_map_bytes = session_limits.max_searched_map_bytes,
-                      .expired_before = session_limits.expired_before}) {}
+                      .expired_before = session_limits.expired_before,
+                      .stale_before = session_limits.stale_before}) {}
 
   /// Enough to distinguish answers.
   static std::string render(const AnswerToRender& answer) {

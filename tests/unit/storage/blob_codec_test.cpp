@@ -215,6 +215,33 @@ constexpr std::ptrdiff_t kSecondVersion = 150;
 constexpr std::ptrdiff_t kSecondSize = 98;
 constexpr std::ptrdiff_t kThirdVersion = kSecondVersion + kSecondSize;
 constexpr std::ptrdiff_t kThirdSize = 81;
+constexpr std::ptrdiff_t kFifthVersion = kThirdVersion + kThirdSize;
+constexpr std::ptrdiff_t kFifthSize = 46;  // Of a region without a map's name.
+
+/// A state as versions before the fifth could hold it, and its BLOB in the fifth.
+struct OldState {
+  LocalizerState state = sample_state(0, 0, 3);
+  Blob blob;
+
+  OldState() {
+    state.region.reset();
+    blob = encode_localizer_state(state, {});
+    blob.erase(blob.begin() + kFifthVersion, blob.begin() + kFifthVersion + kFifthSize);
+  }
+};
+
+TEST(BlobCodec, ReadsALocalizerStateOfTheFourthVersion) {
+  OldState old;
+  old.blob[0] = 4;
+  EXPECT_TRUE(is_same(decode_localizer_state(resealed(old.blob)).value().state, old.state));
+}
+
+TEST(BlobCodec, RefusesALocalizerStateWithAnImpossibleRegion) {
+  LocalizerState state = sample_state(0, 0, 3);
+  state.region->radius_m = -1.0;
+  EXPECT_EQ(decode_localizer_state(encode_localizer_state(state, {})).error().code,
+            ErrorCode::kCorruptData);
+}
 
 void forget_fourth_version(LocalizerState& state) { state.last_interval_s = 0.0; }
 
@@ -229,16 +256,14 @@ void forget_third_version(LocalizerState& state) {
 }
 
 TEST(BlobCodec, ReadsALocalizerStateOfTheThirdVersion) {
-  LocalizerState state = sample_state(0, 0, 3);
-  Blob third = encode_localizer_state(state, {});
+  auto [state, third] = OldState();
   third[0] = 3;
   forget_fourth_version(state);
   EXPECT_TRUE(is_same(decode_localizer_state(resealed(third)).value().state, state));
 }
 
 TEST(BlobCodec, ReadsALocalizerStateOfTheSecondVersion) {
-  LocalizerState state = sample_state(0, 0, 3);
-  Blob second = encode_localizer_state(state, {});
+  auto [state, second] = OldState();
   second.erase(second.begin() + kThirdVersion, second.begin() + kThirdVersion + kThirdSize);
   second[0] = 2;
   forget_third_version(state);
@@ -246,8 +271,7 @@ TEST(BlobCodec, ReadsALocalizerStateOfTheSecondVersion) {
 }
 
 TEST(BlobCodec, ReadsALocalizerStateOfTheFirstVersion) {
-  LocalizerState state = sample_state(0, 0, 3);
-  Blob first = encode_localizer_state(state, {});
+  auto [state, first] = OldState();
   first.erase(first.begin() + kSecondVersion, first.begin() + kThirdVersion + kThirdSize);
   first[0] = 1;
   state.misfit_way_m = 0.0;

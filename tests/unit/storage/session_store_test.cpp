@@ -239,6 +239,17 @@ TEST_F(SessionStoreTest, ShowsAnAcknowledgedUpdateToASecondConnectionAtOnce) {
   EXPECT_TRUE(is_same(other.find("s1").value().value().state, state));
 }
 
+TEST_F(SessionStoreTest, KnowsTheNewestSessionOfARobot) {
+  const std::string robot = record("s1").robot;
+  EXPECT_EQ(store_.newest(robot).value(), "");
+  ASSERT_TRUE(store_.insert(record("s1")));
+  ASSERT_TRUE(store_.insert(record("a2")));
+  EXPECT_EQ(store_.newest(robot).value(), "a2");
+  EXPECT_EQ(store_.newest(robot + "0").value(), "");
+  ASSERT_TRUE(store_.remove("a2"));
+  EXPECT_EQ(store_.newest(robot).value(), "s1");
+}
+
 TEST_F(SessionStoreTest, TakesEachSequenceFromOneOfTwoServersOnly) {
   ASSERT_TRUE(store_.insert(record("s1")));
   constexpr std::uint64_t kBatches = 200;

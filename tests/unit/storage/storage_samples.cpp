@@ -152,6 +152,11 @@ LocalizerState sample_state(std::uint64_t first_index, int count, int seed) {
   state.distance_since_acceptance_m = 4.5;
   state.searched_at_m = 3.0;
   state.accepted_index = 12;
+  state.region = StartRegion{.map = "office",
+                             .center = {1.5, -2.0},
+                             .radius_m = 3.0,
+                             .yaw = 0.5,
+                             .yaw_tolerance_rad = 0.25};
   return state;
 }
 
@@ -219,7 +224,8 @@ bool is_same(const LocalizerState& a, const LocalizerState& b) {
          a.usual_share == b.usual_share && a.odometry_sums == b.odometry_sums &&
          a.epoch == b.epoch && a.confirmed == b.confirmed &&
          a.distance_since_acceptance_m == b.distance_since_acceptance_m &&
-         a.searched_at_m == b.searched_at_m && a.accepted_index == b.accepted_index;
+         a.searched_at_m == b.searched_at_m && a.accepted_index == b.accepted_index &&
+         a.region == b.region;
 }
 
 bool is_same(const SessionRecord& a, const SessionRecord& b) {

@@ -51,7 +51,7 @@ class Driver {
                  .T_frame_base_link;
       last_motion_ = inverse(before) * pose;
     }
-    if (submap.wants(pose)) {
+    if (submap.wants(pose, {})) {
       submap.keep({0, scan.scan, scan.T_base_link_laser, pose}, corners_of(scan.scan));
     }
   }
@@ -153,16 +153,16 @@ TEST(Submap, KeepsOdometryAlongABareCorridor) {
   EXPECT_LT(worst.radians, 0.02);
 }
 
-TEST(Submap, WantsTheFirstScan) { EXPECT_TRUE(Submap().wants({})); }
+TEST(Submap, WantsTheFirstScan) { EXPECT_TRUE(Submap().wants({}, {})); }
 
 TEST(Submap, WantsAScanAfterAWayOrATurn) {
   const Moment first = office_moments(1).front();
   Submap submap({.keep_distance_m = 0.5, .keep_angle_rad = 0.4});
   submap.keep({0, first.scan.scan, {}, {1.0, 2.0, 3.0}}, {});
-  EXPECT_FALSE(submap.wants({1.0, 2.0, 3.0}));
-  EXPECT_FALSE(submap.wants({1.3, 2.3, 3.2}));
-  EXPECT_TRUE(submap.wants({1.4, 2.4, 3.0}));
-  EXPECT_TRUE(submap.wants({1.0, 2.0, wrap_angle(3.45)}));
+  EXPECT_FALSE(submap.wants({1.0, 2.0, 3.0}, {}));
+  EXPECT_FALSE(submap.wants({1.3, 2.3, 3.2}, {}));
+  EXPECT_TRUE(submap.wants({1.4, 2.4, 3.0}, {}));
+  EXPECT_TRUE(submap.wants({1.0, 2.0, wrap_angle(3.45)}, {}));
 }
 
 TEST(Submap, CountsItsScans) {

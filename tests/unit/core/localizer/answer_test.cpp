@@ -25,6 +25,8 @@ TEST(Answer, NamesWhatIsMissingAsOnTheWire) {
   EXPECT_EQ(to_string(Reason::kFewEvidence), "few_evidence");
   EXPECT_EQ(to_string(Reason::kContradicted), "contradicted");
   EXPECT_EQ(to_string(Reason::kOdometryContradictsScans), "odometry_contradicts_scans");
+  EXPECT_EQ(to_string(Reason::kSearching), "searching");
+  EXPECT_EQ(to_string(Reason::kPriorContradicted), "prior_contradicted");
 }
 
 MATCHER_P2(IsClass, name, count, "is class " + std::string(name)) {

@@ -61,6 +61,23 @@ TEST(GlobalSearch, KeepsBothOfTwoAliasedPoses) {
   EXPECT_FALSE(search.acceptable());
 }
 
+TEST(GlobalSearch, ComparesPosesOfTheRegionOnly) {
+  const std::vector<LocalizationMapPtr> maps{
+      testing::mapped_floor(testing::equal_rooms(), {{3.0, 2.5}, {23.0, 2.5}}, {27.0, 5.0})};
+  const Pose2 path[] = {{2.0, 1.5, 0.0}, {3.0, 2.5, 0.4}};
+  const View view = testing::view_along(testing::equal_rooms(), path);
+  GlobalSearch search(LocalizerParams{});
+  search.restrict_to({.center = {22.0, 1.5}, .radius_m = 2.0}, inverse(path[0]) * path[1]);
+  search.propose(maps, view, 1);
+  search.verify(maps, view);
+  ASSERT_FALSE(search.candidates().empty());
+  for (const Candidate& one : search.candidates().all()) EXPECT_GT(one.T_map_base_link.x, 20.0);
+  EXPECT_TRUE(search.acceptable());
+  search.lift_restriction();
+  search.review(maps, view, search.candidates().best(), true);
+  EXPECT_FALSE(search.acceptable()) << "the other room is a rival again";
+}
+
 TEST(GlobalSearch, FindsTheMirrorImageOfAScanThatWasTakenUpsideDown) {
   const View upside_down = mirrored(office_view());
   GlobalSearch search(LocalizerParams{});
