@@ -19,6 +19,7 @@ build=(
 test=(
   libfastrtps-dev git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml
   prometheus curl python3-pip python3-setuptools python3-wheel
+  nginx-light openssl
   ros-core python3-rospy python3-tf2-ros python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs
   python3-sensor-msgs python3-std-srvs
 )
