@@ -26,10 +26,11 @@ RUN ldconfig \
  && install -d -o cornerfix -g cornerfix /data
 USER cornerfix
 VOLUME /data
+# Inside a container loopback reaches nobody, so all addresses are bound on purpose: publish the port to trusted networks
+# only, or make tokens and set CORNERFIX_ALLOW_INSECURE_LISTEN to false. All settings: docs/configuration.md.
+ENV CORNERFIX_DATABASE=/data/cornerfix.db CORNERFIX_LISTEN=0.0.0.0 CORNERFIX_PORT=8080 CORNERFIX_ALLOW_INSECURE_LISTEN=true
 EXPOSE 8080
 HEALTHCHECK --interval=10s --timeout=3s --start-period=5s \
-  CMD ["bash", "-c", "exec 3<>/dev/tcp/127.0.0.1/8080 && printf 'GET /healthz HTTP/1.0\\r\\n\\r\\n' >&3 && head -1 <&3 | grep -q ' 200 '"]
+  CMD ["bash", "-c", "exec 3<>/dev/tcp/127.0.0.1/$CORNERFIX_PORT && printf 'GET /healthz HTTP/1.0\\r\\n\\r\\n' >&3 && head -1 <&3 | grep -q ' 200 '"]
 ENTRYPOINT ["cornerfix"]
-# Inside a container loopback reaches nobody, so all addresses are bound on purpose: publish the port to trusted networks
-# only, or give a --config with tokens.
-CMD ["serve", "--db", "/data/cornerfix.db", "--listen", "0.0.0.0", "--allow-insecure-listen"]
+CMD ["serve"]

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -15,11 +16,14 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "cli/command.hpp"
+#include "server/environment.hpp"
 #include "server/event_log.hpp"
 #include "server/http_server.hpp"
 #include "server/server_config.hpp"
+#include "server/settings.hpp"
 
 namespace cornerfix::cli {
 
@@ -27,7 +31,7 @@ namespace {
 
 using server::HttpServer;
 using server::ServerConfig;
-using server::ServerFlags;
+using server::Setting;
 
 /// Robots of a whole fleet run on many threads; more heaps than this only cost memory.
 constexpr int kMaxHeaps = 4;
@@ -39,8 +43,8 @@ constexpr int kMappedBufferBytes = 1 << 20;
 constexpr std::chrono::seconds kLastBatchTime{2};
 
 struct ServeArguments {
-  ServerFlags flags;
   std::optional<std::filesystem::path> config;
+  std::vector<server::ConfigOverride> overrides;  ///< Flags; once they are read, variables before.
 };
 
 sigset_t handled_signals() {
@@ -53,10 +57,10 @@ sigset_t handled_signals() {
 /// Takes over the tokens of the configuration file. When it cannot be used, the old ones stay.
 void reload_tokens(HttpServer& server, const ServeArguments& arguments) {
   if (!arguments.config) {
-    spdlog::warn("SIGHUP reloads the tokens of --config FILE, but there is none: ignored");
+    spdlog::warn("SIGHUP reloads the tokens of the configuration file, but there is none: ignored");
     return;
   }
-  auto config = server::load_config(arguments.config, arguments.flags);
+  auto config = server::load_config(arguments.config, arguments.overrides);
   if (!config) {
     spdlog::error("the tokens stay as they were: {}{}{}", config.error().message,
                   config.error().field.empty() ? "" : " at ", config.error().field);
@@ -149,11 +153,47 @@ int serve(const ServerConfig& config, const ServeArguments& arguments) {
   return kDone;
 }
 
-int run_serve(const ServeArguments& arguments) {
-  const auto config = server::load_config(arguments.config, arguments.flags);
+/// Adds the environment, which flags override.
+void add_environment(ServeArguments& arguments) {
+  server::Environment environment = server::read_environment(environ);
+  for (const std::string& name : environment.unknown) warn(name, "no such setting; ignored");
+  if (!arguments.config) arguments.config = environment.config_file;
+  arguments.overrides.insert(arguments.overrides.begin(), environment.overrides.begin(),
+                             environment.overrides.end());
+}
+
+int run_serve(ServeArguments& arguments) {
+  add_environment(arguments);
+  const auto config = server::load_config(arguments.config, arguments.overrides);
   if (config) return serve(*config, arguments);
   fail(config.error());
   return config.error().code == ErrorCode::kNotFound ? kCouldNot : kWrongUse;
+}
+
+std::string help_of(const Setting& setting) {
+  std::string help = setting.meaning;
+  if (!setting.default_value.empty()) help += " (" + setting.default_value + ")";
+  return help + "; " + setting.variable();
+}
+
+void add_setting(CLI::App& command, const Setting& setting, ServeArguments& arguments) {
+  const std::string flag = setting.flag();
+  const auto add = [&arguments, key = setting.key, flag](const std::string& text) {
+    arguments.overrides.push_back({key, text, flag});
+  };
+  if (setting.kind == Setting::Kind::kSwitch) {
+    command.add_flag_function(
+        flag, [add](std::int64_t count) { add(count > 0 ? "true" : "false"); }, help_of(setting));
+    return;
+  }
+  const bool is_integer = setting.kind == Setting::Kind::kInteger;
+  const bool is_list = setting.kind == Setting::Kind::kNames;
+  // The database has the name that it has in every command, too.
+  const std::string names = setting.key == "database" ? "--db," + flag : flag;
+  command.add_option_function<std::string>(names, add, help_of(setting))
+      ->type_name(is_integer ? "N"
+                  : is_list  ? "NAME,..."
+                             : "TEXT");
 }
 
 }  // namespace
@@ -161,14 +201,23 @@ int run_serve(const ServeArguments& arguments) {
 void add_serve_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ServeArguments>();
   CLI::App* command = app.add_subcommand("serve", "Run the server until SIGTERM or Ctrl-C");
-  command->add_option("--db", arguments->flags.database,
-                      "SQLite file, made when it does not exist");
-  command->add_option("--listen", arguments->flags.listen, "Address to bind (127.0.0.1)");
-  command->add_option("--port", arguments->flags.port, "Port; 0 takes a free one (8080)");
-  command->add_option("--config", arguments->config, "JSON file with any of the settings")
+  command
+      ->add_option("--config", arguments->config,
+                   "JSON file with any of the settings; CORNERFIX_CONFIG")
       ->check(CLI::ExistingFile);
-  command->add_flag("--allow-insecure-listen", arguments->flags.allow_insecure_listen,
-                    "Bind to more than loopback without any tokens");
+  std::string without_flag;
+  for (const Setting& setting : server::settings()) {
+    if (!setting.flag().empty()) {
+      add_setting(*command, setting, *arguments);
+    } else {
+      without_flag += "\n  " + setting.variable() + "  " + setting.meaning;
+    }
+  }
+  command->footer(
+      "Flags override variables of the environment, which override the file. An empty variable is "
+      "not set.\nSettings without a flag, since every user of a machine sees the arguments of "
+      "programs:" +
+      without_flag);
   command->callback([arguments, &exit_code] { exit_code = run_serve(*arguments); });
 }
 

@@ -27,6 +27,8 @@ if(CORNERFIX_BUILD_SERVER)
   pkg_check_modules(cpp_httplib REQUIRED IMPORTED_TARGET cpp-httplib)
   add_library(httplib::httplib ALIAS PkgConfig::cpp_httplib)
 
+  find_program(HELP2MAN help2man)  # For the man pages of the Debian package.
+
   find_package(CycloneDDS QUIET)
   find_program(CYCLONEDDS_IDLC idlc)
   if(CycloneDDS_FOUND AND CYCLONEDDS_IDLC)

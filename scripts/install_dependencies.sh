@@ -2,6 +2,7 @@
 # Installs the Debian packages that are missing; does nothing when all are there.
 #   scripts/install_dependencies.sh build   to build and run
 #   scripts/install_dependencies.sh test    to test and check as well
+#   scripts/install_dependencies.sh package to build the Debian package and to test it (scripts/package_test.sh)
 #   scripts/install_dependencies.sh fuzz    to build and to fuzz
 #   scripts/install_dependencies.sh bench   to build and to compare with the rivals (scripts/bench.sh)
 #   scripts/install_dependencies.sh calibrate   to build and to learn the evidence model again
@@ -19,6 +20,7 @@ build=(
 test=(
   libfastrtps-dev git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml
   prometheus curl python3-pip python3-setuptools python3-wheel
+  help2man nginx-light openssl systemd
   ros-core python3-rospy python3-tf2-ros python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs
   python3-sensor-msgs python3-std-srvs
 )
@@ -26,10 +28,11 @@ test=(
 case "${1:-}" in
   build) wanted=("${build[@]}") ;;
   test) wanted=("${build[@]}" "${test[@]}") ;;
+  package) wanted=("${build[@]}" help2man dpkg-dev debootstrap curl) ;;
   fuzz) wanted=("${build[@]}" clang-14 libclang-rt-14-dev) ;;
   bench) wanted=("${build[@]}" git libmrpt-slam-dev libopencv-features2d-dev python3-matplotlib python3-numpy) ;;
   calibrate) wanted=("${build[@]}" python3-numpy python3-scipy) ;;
-  *) echo "usage: $0 build|test|fuzz|bench|calibrate" >&2; exit 2 ;;
+  *) echo "usage: $0 build|test|package|fuzz|bench|calibrate" >&2; exit 2 ;;
 esac
 
 is_installed() { [[ $(dpkg-query -W -f '${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }

@@ -1,4 +1,5 @@
-/// \file  Settings of the service: defaults, overridden by a JSON file, overridden by flags.
+/// \file  Settings of the service: defaults, overridden by a JSON file, by variables of the
+/// environment and by flags, in this order.
 #pragma once
 
 #include <cstddef>
@@ -68,21 +69,22 @@ struct ServerConfig {
   int session_stale_s = 60;  ///< Without a batch for longer, a session is `stale`.
 };
 
-/// What the command line said.
-struct ServerFlags {
-  std::optional<std::filesystem::path> database;
-  std::optional<std::string> listen;
-  std::optional<int> port;
-  bool allow_insecure_listen = false;
+/// A value that comes from outside the configuration file.
+struct ConfigOverride {
+  std::string key;     ///< In the file.
+  std::string text;    ///< As a person wrote it.
+  std::string source;  ///< "--port" or "CORNERFIX_PORT", for errors.
 };
 
 /// `defaults` with the members of a JSON object put over them. An unknown key, a wrong type or a
 /// value outside its limits is an error whose `field` is the JSON pointer.
 [[nodiscard]] Result<ServerConfig> merge_json(ServerConfig defaults, std::string_view json);
 
-/// The settings to run with: defaults, the file (when given), the flags. Checked as a whole.
+/// The settings to run with: defaults, the file (when given), then `overrides` in their order.
+/// Checked as a whole. The `field` of an error names the pointer, variable or flag.
 [[nodiscard]] Result<ServerConfig> load_config(
-    const std::optional<std::filesystem::path>& config_file, const ServerFlags& flags);
+    const std::optional<std::filesystem::path>& config_file,
+    const std::vector<ConfigOverride>& overrides);
 
 /// Whether others than the owner can read or change the file, which is not for one with tokens.
 [[nodiscard]] bool is_open_to_others(const std::filesystem::path& file);

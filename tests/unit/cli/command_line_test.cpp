@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/map_library.hpp"
+#include "server/settings.hpp"
 #include "server/store_access.hpp"
 #include "unit/cli/fake_server.hpp"
 #include "unit/cli/temporary_directory.hpp"
@@ -410,6 +411,36 @@ TEST_F(CommandLine, EndsWithTwoWhereAFileIsMissingOrADirectory) {
       EXPECT_THAT(outcome.err, HasSubstr(says));
     }
   }
+}
+
+TEST_F(CommandLine, ListsEverySettingInTheHelpOfServe) {
+  const Outcome outcome = run({"serve", "--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  ASSERT_FALSE(server::settings().empty());
+  for (const server::Setting& setting : server::settings()) {
+    EXPECT_THAT(outcome.out, HasSubstr(setting.flag()));
+    EXPECT_THAT(outcome.out, HasSubstr(setting.variable()));
+    EXPECT_THAT(outcome.out, HasSubstr(setting.default_value));
+  }
+}
+
+TEST_F(CommandLine, TakesEverySettingAsAFlag) {
+  const std::string file = directory_.write("config.json", "{").string();
+  for (const server::Setting& setting : server::settings()) {
+    const std::string flag = setting.flag();
+    if (flag.empty()) continue;
+    std::vector<const char*> arguments = {"serve", "--config", file.c_str(), flag.c_str()};
+    if (setting.kind != server::Setting::Kind::kSwitch) arguments.push_back("1");
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("the configuration is not a JSON object")) << flag;
+  }
+}
+
+TEST_F(CommandLine, NamesTheFlagOfAWrongSetting) {
+  const Outcome outcome = run({"serve", "--db", "a.db", "--max-scans", "many"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--max-scans: expected an integer from 1 to"));
 }
 
 TEST_F(CommandLine, SaysThatADatabaseIsADirectory) {

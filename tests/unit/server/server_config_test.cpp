@@ -17,17 +17,31 @@ ServerConfig valid_config() {
   return config;
 }
 
-TEST(ServerConfig, IsOverriddenByTheFileAndTheFileByFlags) {
+TEST(ServerConfig, IsOverriddenByTheFileThenByVariablesThenByFlags) {
   const testing::TemporaryDirectory directory;
   std::ofstream(directory / "config.json")
-      << R"({"database": "file.db", "port": 1234, "max_scans": 7})";
-  const auto config =
-      load_config(directory / "config.json", {.database = {}, .listen = {}, .port = 4321});
+      << R"({"database": "file.db", "port": 1, "max_scans": 7, "max_mappers": 8})";
+  const auto config = load_config(directory / "config.json", {{"port", "2", "CORNERFIX_PORT"},
+                                                              {"max_scans", "9", "CORNERFIX_…"},
+                                                              {"port", "3", "--port"}});
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_EQ(config->database, "file.db");
-  EXPECT_EQ(config->port, 4321);
-  EXPECT_EQ(config->request_limits.max_scans, 7U);
+  EXPECT_EQ(config->port, 3);
+  EXPECT_EQ(config->request_limits.max_scans, 9U);
+  EXPECT_EQ(config->max_mappers, 8U);
   EXPECT_EQ(config->request_limits.max_beams, 20'000U);
+}
+
+TEST(ServerConfig, NamesTheVariableOfASettingThatFitsNoOther) {
+  const auto open = load_config(
+      {}, {{"database", "a.db", "CORNERFIX_DATABASE"}, {"listen", "0.0.0.0", "CORNERFIX_LISTEN"}});
+  ASSERT_FALSE(open);
+  EXPECT_EQ(open.error().field, "CORNERFIX_LISTEN");
+  const auto token =
+      load_config({}, {{"database", "a.db", "CORNERFIX_DATABASE"},
+                       {"tokens", R"([{"token": "a", "role": "admin"}])", "CORNERFIX_TOKENS"}});
+  ASSERT_FALSE(token);
+  EXPECT_EQ(token.error().field, "CORNERFIX_TOKENS/0/token");
 }
 
 TEST(ServerConfig, ReadsTokens) {
