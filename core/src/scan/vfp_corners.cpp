@@ -10,7 +10,7 @@ namespace cornerfix {
 namespace {
 
 /// A corner before suppression, with the beam it was seen by.
-struct Candidate {
+struct VfpCandidate {
   Feature feature;
   std::uint32_t beam = 0;
 };
@@ -81,7 +81,7 @@ class VectorFilter {
 
 /// Coarse selection by eq. (1), then the vector filter, for the points [begin, end).
 void append_corners(std::span<const ScanPoint> segment, std::size_t begin, std::size_t end,
-                    const VfpParams& params, std::vector<Candidate>& candidates) {
+                    const VfpParams& params, std::vector<VfpCandidate>& candidates) {
   const std::vector<double> scores = smoothness_scores(segment, params.window);
   const VectorFilter filter(segment, params);
   for (std::size_t k = begin; k < end; ++k) {
@@ -103,13 +103,13 @@ std::vector<ScanPoint> unrolled(const std::vector<ScanPoint>& points) {
 }
 
 /// Keeps the largest a in each neighbourhood; of equal ones the first beam.
-std::vector<Candidate> suppress_weaker(std::vector<Candidate> candidates, double radius_m) {
-  std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
+std::vector<VfpCandidate> suppress_weaker(std::vector<VfpCandidate> candidates, double radius_m) {
+  std::ranges::stable_sort(candidates, [](const VfpCandidate& a, const VfpCandidate& b) {
     return a.feature.weight > b.feature.weight;
   });
-  std::vector<Candidate> kept;
-  for (const Candidate& candidate : candidates) {
-    const bool weaker = std::ranges::any_of(kept, [&](const Candidate& other) {
+  std::vector<VfpCandidate> kept;
+  for (const VfpCandidate& candidate : candidates) {
+    const bool weaker = std::ranges::any_of(kept, [&](const VfpCandidate& other) {
       return (other.feature.position - candidate.feature.position).squaredNorm() <
              radius_m * radius_m;
     });
@@ -175,7 +175,7 @@ std::vector<double> smoothness_scores(std::span<const ScanPoint> segment, int wi
 
 std::vector<Feature> extract_vfp_corners(const LaserScan& scan, const VfpParams& params) {
   assert(!validate(params) && "params must pass validate()");
-  std::vector<Candidate> candidates;
+  std::vector<VfpCandidate> candidates;
   for (const ScanSegment& segment : cut_into_segments(scan, params.segments)) {
     const std::size_t size = segment.points.size();
     if (segment.closed) {
@@ -184,11 +184,11 @@ std::vector<Feature> extract_vfp_corners(const LaserScan& scan, const VfpParams&
       append_corners(segment.points, 0, size, params, candidates);
     }
   }
-  std::vector<Candidate> kept = suppress_weaker(std::move(candidates), params.suppression_radius_m);
-  std::ranges::sort(kept, {}, &Candidate::beam);
+  std::vector<VfpCandidate> kept = suppress_weaker(std::move(candidates), params.suppression_radius_m);
+  std::ranges::sort(kept, {}, &VfpCandidate::beam);
   std::vector<Feature> corners;
   corners.reserve(kept.size());
-  for (const Candidate& candidate : kept) corners.push_back(candidate.feature);
+  for (const VfpCandidate& candidate : kept) corners.push_back(candidate.feature);
   return corners;
 }
 
