@@ -109,7 +109,9 @@ bool read_json(std::string_view text, DocumentBuilder& builder) {
     }
     return true;
   } catch (const simdjson::simdjson_error& error) {
-    return malformed(error.what(), builder);
+    const bool has_nan = text.find("NaN") != text.npos || text.find("Infinity") != text.npos;
+    const char* hint = has_nan ? " It has no NaN and no Infinity: send null." : "";
+    return malformed(error.what() + std::string(hint), builder);
   }
 }
 

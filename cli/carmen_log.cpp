@@ -2,8 +2,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -94,6 +97,35 @@ const Laser* laser_of(std::string_view message) {
   return laser == kLasers.end() ? nullptr : laser;
 }
 
+/// How many messages of each name a log has.
+class MessageCounts {
+ public:
+  void count(std::string_view message) {
+    if (message.empty() || message.starts_with('#')) return;
+    const auto known = counts_.find(message);
+    if (known != counts_.end()) {
+      ++known->second;
+    } else if (counts_.size() < kMostNames) {
+      counts_.emplace(message.substr(0, kLongestName), 1);
+    }
+  }
+
+  /// "ODOM (120), RAWLASER3 (60)".
+  [[nodiscard]] std::string text() const {
+    std::string text;
+    for (const auto& [name, count] : counts_) {
+      text += (text.empty() ? "" : ", ") + name + " (" + std::to_string(count) + ")";
+    }
+    return text.empty() ? "none" : text;
+  }
+
+ private:
+  static constexpr std::size_t kMostNames = 20;
+  static constexpr std::size_t kLongestName = 40;
+
+  std::map<std::string, std::size_t, std::less<>> counts_;
+};
+
 /// What PARAM messages have said so far.
 struct Params {
   double range_max_m = kRangeMax;
@@ -132,6 +164,7 @@ class CarmenParser final : public ScanParser {
   Result<std::optional<LogScan>> parse(const std::string& line) override {
     Words words(line);
     const std::string_view message = words.next();
+    messages_.count(message);
     if (message == "PARAM") {
       take_param(words);
     } else if (message == "ODOM") {
@@ -152,6 +185,11 @@ class CarmenParser final : public ScanParser {
   }
 
   std::optional<LogScan> finish() override { return std::exchange(matched_, std::nullopt); }
+
+  [[nodiscard]] std::string contents() const override {
+    return "its messages are " + messages_.text() + "; expected " + std::string(kGMappingScan) +
+           ", FLASER, RLASER, ROBOTLASER1, ROBOTLASER2, RAWLASER1 or RAWLASER2";
+  }
 
  private:
   static Error malformed(std::string_view message, const std::string& what) {
@@ -290,7 +328,7 @@ class CarmenParser final : public ScanParser {
     out.scan.angle_min = *start_angle;
     out.scan.angle_increment =
         *resolution != 0.0 ? *resolution : *field_of_view / static_cast<double>(*beams - 1);
-    out.scan.range_max = *maximum_range;
+    out.scan.range_max = *maximum_range > 0.0 ? *maximum_range : params_.range_max_m;
     if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
     const bool has_poses = laser.message.starts_with("ROBOT");
     if (!skip_remissions(words, has_poses)) {
@@ -311,8 +349,9 @@ class CarmenParser final : public ScanParser {
 
   /// True when what follows are the poses or the timestamp.
   static bool skip_remissions(Words& words, bool has_poses) {
-    constexpr std::size_t kOlder = 6 + 4 + 3;  // poses; speeds and safety distances; stamps
-    if (has_poses && words.count() == kOlder) return true;
+    constexpr std::size_t kStamps = 3;
+    constexpr std::size_t kPosesAndSpeeds = 6 + 4;  // speeds and safety distances
+    if (words.count() == kStamps + (has_poses ? kPosesAndSpeeds : 0)) return true;
     const auto remissions = words.next_number<std::size_t>();
     if (!remissions || *remissions > LogReader::kMaxBeams) return false;
     for (std::size_t i = 0; i < *remissions; ++i) {
@@ -373,6 +412,7 @@ class CarmenParser final : public ScanParser {
   }
 
   std::string wanted_;  ///< The message whose scans are taken; empty until the first.
+  MessageCounts messages_;
   Params params_;
   std::optional<Odometry> odometry_;
   std::optional<LogScan> matched_;  ///< Of GMapping, until its SM_UPDATE.

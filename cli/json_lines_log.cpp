@@ -1,8 +1,10 @@
 #include <simdjson.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include "cli/scan_parser.hpp"
 
@@ -21,16 +23,34 @@ bool is_blank(const std::string& line) {
   return line.find_first_not_of(" \t") == std::string::npos;
 }
 
+/// JSON has neither NaN nor infinity, but Python writes both.
+bool is_not_finite(value number) {
+  const std::string_view token = number.raw_json_token();
+  return token.starts_with("NaN") || token.starts_with("Infinity") || token.starts_with("-Inf");
+}
+
 float range_or_nan(value range) {
-  if (range.is_null()) return std::numeric_limits<float>::quiet_NaN();
+  if (is_not_finite(range) || range.is_null()) return std::numeric_limits<float>::quiet_NaN();
   return static_cast<float>(range.get_double().value());
 }
 
-/// JSON has no infinity: null is no limit.
+/// null is no limit.
 double number_or_infinity(value number) {
-  if (number.is_null()) return std::numeric_limits<double>::infinity();
+  if (number.raw_json_token().starts_with("Infinity") || number.is_null())
+    return std::numeric_limits<double>::infinity();
   return number.get_double();
 }
+
+/// What a member must be, for the message of an error.
+std::string expected(std::string_view field) {
+  if (field == "ranges") return "expected an array of metres or null";
+  if (field == "odom" || field == "pose") return "expected [x, y, yaw] or null";
+  if (field == "name" || field == "source") return "expected a text";
+  return "expected a number";
+}
+
+/// As the HTTP API takes them [s].
+constexpr double kLatestStamp = 1e12;
 
 /// [x, y, yaw] or null.
 std::optional<Pose2> pose_or_null(value pose) {
@@ -65,7 +85,15 @@ class JsonLinesParser final : public ScanParser {
         return check(std::move(scan));
       }
     } catch (const simdjson::simdjson_error& error) {
+      if (error.error() == simdjson::INCORRECT_TYPE && !field_.empty()) {
+        return malformed_line(field_ + ": " + expected(field_));
+      }
       return malformed_line((field_.empty() ? "" : field_ + ": ") + error.what());
+    }
+    if (header_.lidar.angle_increment == 0.0) {
+      return malformed_line(
+          "header: expected name, beams, angle_min, angle_increment, range_min and range_max in "
+          "front of the scans");
     }
     if (auto error = validate(header_.lidar)) {
       return malformed_line("header: " + error->field + " " + error->message);
@@ -145,6 +173,9 @@ class JsonLinesParser final : public ScanParser {
 
   Result<std::optional<LogScan>> check(LogScan scan) {
     if (!has_stamp_) return malformed_line("t: missing, expected seconds");
+    if (!(std::abs(scan.scan.stamp) <= kLatestStamp)) {
+      return malformed_line("t: expected seconds from -1e12 to 1e12");
+    }
     if (scan.scan.ranges.empty()) return malformed_line("ranges: none, expected metres or null");
     if (scan.scan.ranges.size() > LogReader::kMaxBeams) {
       return malformed_line("ranges: number of values " + too_many_beams());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 
 namespace cornerfix::cli {
 
@@ -75,6 +76,13 @@ Result<bool> LineReader::next() {
     if (line_.size() > kMaxLineBytes) return error("longer than 16 MiB");
   }
   if (!ended && line_.empty()) return false;
+  if (line_number_ == 1) {
+    if (line_.starts_with("\xff\xfe") || line_.starts_with("\xfe\xff")) {
+      return error("is text in UTF-16, expected UTF-8");
+    }
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (line_.starts_with(kByteOrderMark)) line_.erase(0, kByteOrderMark.size());
+  }
   if (!line_.empty() && line_.back() == '\r') line_.pop_back();
   line_.reserve(line_.size() + simdjson::SIMDJSON_PADDING);
   return true;

@@ -4,6 +4,7 @@
 
 #include "cli/log_format.hpp"
 #include "cli/log_source.hpp"
+#include "cli/scan_queue.hpp"
 #include "cli/scan_straightener.hpp"
 #include "cli/stamp_order.hpp"
 
@@ -47,6 +48,7 @@ LogReader::LogReader(std::unique_ptr<LogSource> source, std::filesystem::path pa
                      double scan_time)
     : source_(std::move(source)),
       path_(std::move(path)),
+      queue_(std::make_unique<ScanQueue>()),
       order_(std::make_unique<StampOrder>()),
       straightener_(std::make_unique<ScanStraightener>()),
       scan_time_(scan_time) {}
@@ -90,6 +92,7 @@ double LogReader::progress() const { return source_->progress(); }
 
 std::vector<std::string> LogReader::notes() const {
   std::vector<std::string> notes = source_->notes();
+  if (std::string note = queue_->note(); !note.empty()) notes.push_back(std::move(note));
   for (std::string& note : order_->notes()) notes.push_back(std::move(note));
   if (std::string note = straightener_->note(); !note.empty()) notes.push_back(std::move(note));
   return notes;
@@ -114,8 +117,13 @@ std::optional<LogScan> LogReader::next() {
 
 std::optional<LogScan> LogReader::next_in_order() {
   while (true) {
-    std::optional<LogScan> scan = source_->next(faults_);
-    if (!scan) return scan;
+    while (!is_read_ && !queue_->is_full()) {
+      std::optional<LogScan> recorded = source_->next(faults_);
+      is_read_ = !recorded;
+      if (recorded) queue_->push(std::move(*recorded));
+    }
+    if (queue_->is_empty()) return std::nullopt;
+    std::optional<LogScan> scan = queue_->pop();
     if (!order_->take(*scan, faults_)) continue;
     ++scans_;
     if (scan_time_ > 0.0) {

@@ -48,7 +48,7 @@ struct LogScan {
   bool is_key_scan = false;  ///< Some logs mark the scans whose reference pose is not interpolated.
   /// From beam to beam [s]; 0 for a scan that was taken at once. See ScanMotion.
   double time_increment = 0.0;
-  bool begins_run = false;  ///< The clock was set back: the robot may stand anywhere.
+  bool begins_run = false;  ///< The clock was set: the robot may stand anywhere.
 };
 
 /// A whole log in memory.
@@ -78,6 +78,7 @@ struct LogSelection {
 };
 
 class LogSource;
+class ScanQueue;
 class ScanStraightener;
 class StampOrder;
 
@@ -117,9 +118,11 @@ class LogReader {
   std::filesystem::path path_;
   LogHeader header_;
   LogFaults faults_;
+  std::unique_ptr<ScanQueue> queue_;
   std::unique_ptr<StampOrder> order_;
   std::unique_ptr<ScanStraightener> straightener_;
   double scan_time_;
+  bool is_read_ = false;          ///< The source, to its end.
   std::size_t scans_ = 0;         ///< Given out, and `ahead_`.
   std::optional<LogScan> ahead_;  ///< Read, but not given out.
 };

@@ -71,7 +71,12 @@ Result<Imported> import_into_file(const MapImportArguments& arguments, const Map
   server::MapLibrary library(*stores, {}, utc_now_text);
   auto report =
       library.put_floor_map(arguments.name, files.yaml, std::as_bytes(std::span(files.image)));
-  if (!report) return report.error();
+  if (!report) {
+    const Error& error = report.error();
+    const bool is_of_image = error.field == "/image";
+    return Error{error.code, error.message,
+                 is_of_image ? files.image_path.string() : arguments.yaml + " " + error.field};
+  }
   return Imported{report->info.feature_count, report->info.revision, std::move(report->warnings)};
 }
 

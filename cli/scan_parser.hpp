@@ -20,6 +20,9 @@ class ScanParser {
   /// A scan that waited for a line that did not come, once all lines were parsed.
   [[nodiscard]] virtual std::optional<LogScan> finish() { return std::nullopt; }
 
+  /// What the lines hold that are no scans to be taken, for people; may be empty.
+  [[nodiscard]] virtual std::string contents() const { return ""; }
+
   /// Complete once the first scan was parsed.
   [[nodiscard]] const LogHeader& header() const { return header_; }
 

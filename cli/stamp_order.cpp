@@ -11,7 +11,6 @@ namespace cornerfix::cli {
 
 namespace {
 
-constexpr double kSetBackSeconds = 2.0;
 constexpr double kEqualStampStep = 0.01;  // [s]
 /// A map takes keyframes more than five minutes after those before for a later run.
 constexpr double kRunPause = 600.0;  // [s]
@@ -32,6 +31,8 @@ bool StampOrder::take(LogScan& scan, LogFaults& faults) {
   const double recorded = scan.scan.stamp;
   if (last_ && recorded < last_->scan.stamp - kSetBackSeconds) {
     begin_run(scan);
+  } else if (last_ && recorded > last_->scan.stamp + kRunPause) {
+    note_jump(scan);
   } else if (last_ && recorded < last_->scan.stamp) {
     faults.add_scan("stamp " + seconds_text(recorded),
                     "not after " + seconds_text(last_->scan.stamp) + " of the scan before");
@@ -63,6 +64,14 @@ void StampOrder::begin_run(LogScan& scan) {
   scan.begins_run = true;
 }
 
+void StampOrder::note_jump(LogScan& scan) {
+  if (jumps_++ == 0) {
+    first_jump_ = "by " + seconds_text(scan.scan.stamp - last_->scan.stamp) + " to " +
+                  seconds_text(scan.scan.stamp);
+  }
+  scan.begins_run = true;
+}
+
 bool StampOrder::is_repeated(const LogScan& scan) const {
   return scan.scan.stamp == last_->scan.stamp &&
          std::ranges::equal(scan.scan.ranges, last_->scan.ranges, has_same_bits);
@@ -74,6 +83,10 @@ std::vector<std::string> StampOrder::notes() const {
     notes.push_back("the clock was set back " + std::to_string(set_backs_) + " times, first " +
                     first_set_back_ + ": a new run begins there, its stamps moved to " +
                     seconds_text(kRunPause) + " after the run before");
+  }
+  if (jumps_ > 0) {
+    notes.push_back("the stamps jump ahead " + std::to_string(jumps_) + " times, first " +
+                    first_jump_ + ": a new run begins there");
   }
   if (equal_stamps_ > 0) {
     notes.push_back(std::to_string(equal_stamps_) +

@@ -14,12 +14,19 @@ namespace cornerfix::cli {
 /// Takes the scans of a log in its order. One thread at a time.
 class StampOrder {
  public:
+  /// Stamps that go back by more were set back.
+  static constexpr double kSetBackSeconds = 2.0;
+
   /// True when the scan is to be used; its stamp is then above those before.
-  /// - A scan a little older than the one before was recorded out of order: it is a fault.
+  /// - A scan a little older than the one before is out of order by more than ScanQueue can mend:
+  /// it
+  ///   is a fault.
   /// - A stamp as that of the scan before keeps its order: it moves on by 10 ms. The same scan
   ///   again, range for range, is a fault.
   /// - When the stamps go back by more than 2 s, the clock was set back: a new run begins. Its
   ///   stamps are moved to 10 minutes after the run before, so that a map takes it for a later run.
+  /// - A jump ahead by more than 10 minutes begins a new run: the clock was set, or the recording
+  ///   had a pause.
   [[nodiscard]] bool take(LogScan& scan, LogFaults& faults);
 
   /// What was done to stamps, for people.
@@ -27,6 +34,7 @@ class StampOrder {
 
  private:
   void begin_run(LogScan& scan);
+  void note_jump(LogScan& scan);
   [[nodiscard]] bool is_repeated(const LogScan& scan) const;
 
   std::optional<LogScan> last_;  ///< As recorded.
@@ -35,6 +43,8 @@ class StampOrder {
   std::size_t equal_stamps_ = 0;
   std::size_t set_backs_ = 0;
   std::string first_set_back_;
+  std::size_t jumps_ = 0;
+  std::string first_jump_;
 };
 
 }  // namespace cornerfix::cli

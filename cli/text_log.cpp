@@ -18,7 +18,7 @@ class TextLog final : public LogSource {
     while (true) {
       const Result<bool> more = lines_.next();
       if (!more) faults.add(place(), more.error().message);
-      if (!more || !*more) return take(parser_->finish());
+      if (!more || !*more) return end();
       Result<std::optional<LogScan>> scan = parser_->parse(lines_.line());
       if (!scan) {
         faults.add_scan(place(), scan.error().message);
@@ -34,6 +34,13 @@ class TextLog final : public LogSource {
  private:
   /// More broken lines than this in front of the first scan, and the file is no log.
   static constexpr std::size_t kMaxFaultsBeforeAScan = 100;
+
+  std::optional<LogScan> end() {
+    std::optional<LogScan> last = take(parser_->finish());
+    const std::string contents = parser_->contents();
+    if (header_.beams == 0 && notes_.empty() && !contents.empty()) notes_.push_back(contents);
+    return last;
+  }
 
   std::optional<LogScan> take(std::optional<LogScan> scan) {
     header_ = parser_->header();

@@ -41,7 +41,7 @@ std::optional<RobotOdometry::Found> RobotOdometry::find(const FrameTree& frames,
 const Ancestor* RobotOdometry::odometry_frame(const Ancestors& ancestors) const {
   const auto found = std::ranges::find_if(ancestors, [&](const Ancestor& ancestor) {
     return is_frame_called(ancestor.name, "odom") ||
-           (ancestor.name == parent_ && !is_frame_called(parent_, "map"));
+           (!parent_.empty() && ancestor.name == parent_ && !is_frame_called(parent_, "map"));
   });
   return found == ancestors.end() ? nullptr : &*found;
 }

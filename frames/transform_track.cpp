@@ -13,6 +13,7 @@ constexpr double kKeptSeconds = 20.0;
 constexpr double kSetBackSeconds = 2.0;
 constexpr double kMaxGapSeconds = 1.0;
 constexpr double kHeldSeconds = 0.1;
+constexpr double kSameTransform = 1e-9;
 
 Eigen::Isometry3d interpolate(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b,
                               double share) {
@@ -29,8 +30,8 @@ Eigen::Isometry3d interpolate(const Eigen::Isometry3d& a, const Eigen::Isometry3
 void TransformTrack::add(double stamp, const Eigen::Isometry3d& T) {
   if (!samples_.empty()) {
     const Sample& last = samples_.back();
-    has_moved_ = has_moved_ || !last.transform.isApprox(T, 1e-9);
-    if (stamp < last.stamp - kSetBackSeconds) {
+    has_moved_ = has_moved_ || !last.transform.isApprox(T, kSameTransform);
+    if (stamp < last.stamp - kSetBackSeconds || stamp > last.stamp + kKeptSeconds) {
       run_before_ = std::exchange(samples_, {});
     } else if (stamp <= last.stamp) {
       return;
@@ -61,7 +62,8 @@ std::optional<FoundTransform> TransformTrack::at(const Samples& samples, double 
   if (after == samples.begin()) return std::nullopt;
   const Sample& before = *std::prev(after);
   const double gap = after->stamp - before.stamp;
-  if (gap > kMaxGapSeconds) return std::nullopt;
+  const bool is_at_rest = before.transform.isApprox(after->transform, kSameTransform);
+  if (gap > kMaxGapSeconds && !is_at_rest) return std::nullopt;
   return FoundTransform{
       interpolate(before.transform, after->transform, (stamp - before.stamp) / gap), true};
 }

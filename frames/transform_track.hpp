@@ -15,12 +15,14 @@ struct FoundTransform {
 /// Keeps the last seconds. Not synchronised.
 class TransformTrack {
  public:
-  /// An older transform than the last one is passed over. When it is older by more than 2 s the
-  /// clock was set back, and a new run begins. Scans of the run before may still be waiting.
+  /// An older transform than the last one is passed over. When it is older by more than 2 s, or
+  /// younger by more than 20 s, the clock was set, and a new run begins. Scans of the run before
+  /// may still be waiting.
   void add(double stamp, const Eigen::Isometry3d& T);
 
-  /// Interpolated between stamps at most a second apart; beyond the last one it holds for a tenth
-  /// of a second. Nothing when there is no such stamp.
+  /// Interpolated between stamps at most a second apart, or further if the frame did not move in
+  /// between; beyond the last one it holds for a tenth of a second. Nothing when there is no such
+  /// stamp.
   [[nodiscard]] std::optional<FoundTransform> at(double stamp) const;
 
   [[nodiscard]] bool has_moved() const { return has_moved_; }

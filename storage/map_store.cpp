@@ -196,6 +196,15 @@ void set_outline(MapInfo& info, const MapOutline& outline) {
   info.bounds = outline.bounds;
 }
 
+/// Descriptors of a large map are made again from its features: that is as fast as reading them.
+Blob encode_or_omit(const DescriptorSet& descriptors) {
+  constexpr std::size_t kMostStored = std::size_t{4} << 20U;
+  if (descriptors.entries.size() <= kMostStored) return encode_descriptors(descriptors);
+  DescriptorSet omitted;
+  omitted.params = descriptors.params;
+  return encode_descriptors(omitted);
+}
+
 Result<MapContent> decode_content(BlobView features, BlobView descriptors, BlobView grid) {
   Result<std::vector<Feature>> decoded_features = decode_features(features);
   if (!decoded_features) return decoded_features.error();
@@ -203,6 +212,12 @@ Result<MapContent> decode_content(BlobView features, BlobView descriptors, BlobV
   if (!decoded_descriptors) return decoded_descriptors.error();
   Result<OccupancyGrid> decoded_grid = decode_grid(grid);
   if (!decoded_grid) return decoded_grid.error();
+  if (decoded_descriptors->size() == 0 && !decoded_features->empty()) {
+    if (validate(decoded_descriptors->params)) {
+      return Error{ErrorCode::kCorruptData, "descriptors: their parameters are wrong", ""};
+    }
+    *decoded_descriptors = describe(*decoded_features, decoded_descriptors->params);
+  }
   if (decoded_descriptors->size() != decoded_features->size()) {
     return Error{ErrorCode::kCorruptData, "features and descriptors differ in number", ""};
   }
@@ -474,7 +489,7 @@ Result<void> MapStore::store_content(std::int64_t map_id, std::uint64_t revision
   assert(content.descriptors.size() == content.features.size() && "a descriptor a feature");
   return guarded([&]() -> Result<void> {
     const Blob features = encode_features(content.features);
-    const Blob descriptors = encode_descriptors(content.descriptors);
+    const Blob descriptors = encode_or_omit(content.descriptors);
     const Blob grid = encode_grid(content.grid);
     WriteTransaction transaction(*database_);
     const Result<MapRow> map = find_at_revision(*database_, map_id, revision);

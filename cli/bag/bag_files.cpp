@@ -14,13 +14,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMetadata = "metadata.yaml";
+
 bool is_file(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);
 }
 
 bool is_bag_file(fs::path path) {
-  if (path.extension() == ".zstd") path = path.stem();
+  for (const char* packed : {".zstd", ".zst", ".gz"}) {
+    if (path.extension() == packed) path = path.stem();
+  }
   const std::string extension = path.extension().string();
   return extension == ".db3" || extension == ".mcap" || extension == ".bag";
 }
@@ -88,16 +92,32 @@ std::optional<fs::path> listed_file(const fs::path& directory, const std::string
   return std::nullopt;
 }
 
+/// Names the directories in it that hold a bag.
+Error no_bag(const fs::path& directory, const std::vector<std::string>& notes) {
+  std::string message = "is a directory without the files of a bag (.db3, .mcap, .bag)";
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    if (entry.is_directory(error) && !all_bag_files(entry.path()).empty()) {
+      message += "; " + entry.path().string() + " is a bag";
+    }
+  }
+  for (const std::string& note : notes) message += "; " + note;
+  return {ErrorCode::kInvalidArgument, std::move(message), directory.string()};
+}
+
 }  // namespace
 
 Result<BagFiles> find_bag_files(const fs::path& path) {
   BagFiles bag;
   std::error_code error;
+  if (path.filename() == kMetadata) {
+    return find_bag_files(path.has_parent_path() ? path.parent_path() : fs::path("."));
+  }
   if (!fs::is_directory(path, error)) {
     bag.paths = {path};
     return bag;
   }
-  const std::vector<std::string> names = listed_names(path / "metadata.yaml", bag);
+  const std::vector<std::string> names = listed_names(path / kMetadata, bag);
   for (const std::string& name : names) {
     if (const auto file = listed_file(path, name)) {
       bag.paths.push_back(*file);
@@ -105,11 +125,11 @@ Result<BagFiles> find_bag_files(const fs::path& path) {
       bag.notes.push_back(name + ", listed in metadata.yaml, is missing");
     }
   }
-  if (names.empty()) bag.paths = all_bag_files(path);
   if (!bag.paths.empty()) return bag;
-  std::string message = "is a directory without the files of a bag (.db3, .mcap, .bag)";
-  for (const std::string& note : bag.notes) message += "; " + note;
-  return Error{ErrorCode::kInvalidArgument, std::move(message), path.string()};
+  bag.paths = all_bag_files(path);
+  if (bag.paths.empty()) return no_bag(path, bag.notes);
+  if (!names.empty()) bag.notes.emplace_back("all bag files of the directory are read, by name");
+  return bag;
 }
 
 }  // namespace cornerfix::cli

@@ -14,8 +14,9 @@ struct BagFiles {
   std::vector<std::string> notes;            ///< What is missing, for people.
 };
 
-/// Of a directory: those that metadata.yaml lists, in its order; without such a list all bag files,
-/// by name, where bag_2 comes before bag_10. Of a file: itself.
+/// Of a directory, or of the metadata.yaml in it: those that metadata.yaml lists, in its order.
+/// Without such a list, or when all of it is missing: all bag files, by name, where bag_2 comes
+/// before bag_10. Of another file: itself.
 [[nodiscard]] Result<BagFiles> find_bag_files(const std::filesystem::path& path);
 
 }  // namespace cornerfix::cli

@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <deque>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "cli/bag/bag_messages.hpp"
 #include "cli/bag/bag_survey.hpp"
 #include "cli/bag/point_cloud_slice.hpp"
+#include "cli/bag/sorted_messages.hpp"
 #include "cli/bag/stamp_range.hpp"
 #include "cli/log_source.hpp"
 #include "frames/floor_pose.hpp"
@@ -64,6 +66,9 @@ class BagLog final : public LogSource {
         height_(selection.height),
         odometry_(!selection.odometry.empty()) {
     notes_ = std::move(topics_.notes);
+    for (const StampedTransform& transform : topics_.known_static_transforms) {
+      frames_.add(transform, FrameTree::Origin::kStatic);
+    }
   }
 
   std::optional<LogScan> next(LogFaults& faults) override {
@@ -73,6 +78,7 @@ class BagLog final : public LogSource {
         waiting_.pop_front();
         if (auto finished = finish(scan, faults)) return finished;
       } else if (is_at_end_) {
+        note_missing_odometry();
         return std::nullopt;
       } else if (const auto message = messages_->next(faults)) {
         take(*message, faults);
@@ -136,8 +142,9 @@ class BagLog final : public LogSource {
   }
 
   void take_odometry(const RecordedMessage& message, LogFaults& faults) {
-    const Result<StampedTransform> odometry = parse_odometry(message.bytes, message.format);
+    Result<StampedTransform> odometry = parse_odometry(message.bytes, message.format);
     if (!odometry) return faults.add(message.where, odometry.error().message);
+    if (odometry->stamp == 0.0) odometry->stamp = message.received;
     odometry_.add(*odometry);
     odometry_stamps_.add(odometry->stamp);
   }
@@ -147,9 +154,10 @@ class BagLog final : public LogSource {
     if (!is_in_use(message.topic, holds_always ? topics_.static_transforms : topics_.transforms)) {
       return;
     }
-    const auto transforms = parse_transforms(message.bytes, message.format);
+    auto transforms = parse_transforms(message.bytes, message.format);
     if (!transforms) return faults.add(message.where, transforms.error().message);
-    for (const StampedTransform& transform : *transforms) {
+    for (StampedTransform& transform : *transforms) {
+      if (transform.stamp == 0.0) transform.stamp = message.received;
       frames_.add(transform, holds_always ? FrameTree::Origin::kStatic : FrameTree::Origin::kTf);
       if (!holds_always) transform_stamps_.add(transform.stamp);
     }
@@ -216,12 +224,27 @@ class BagLog final : public LogSource {
 
   /// Says why no scan has odometry once that is clear.
   void count_odometry(bool has_odometry, const std::string& frame) {
-    has_odometry_ = has_odometry_ || has_odometry;
     ++finished_;
+    if (!has_odometry) {
+      ++without_odometry_;
+      lacking_frame_ = frame;
+    }
     const bool is_clear = finished_ == kScansWithoutOdometry || (is_at_end_ && waiting_.empty());
-    if (has_odometry_ || !is_clear || std::exchange(is_lack_noted_, true)) return;
-    notes_.push_back("no odometry for " + std::to_string(finished_) + " scans in the frame " +
-                     frame + ", stamped " + scan_stamps_.text() + "; " + known_odometry(frame));
+    if (without_odometry_ == finished_ && is_clear) note_lack(std::to_string(finished_));
+  }
+
+  /// Names the share of the scans that have none, where some have.
+  void note_missing_odometry() {
+    if (10 * without_odometry_ <= finished_) return;
+    note_lack(std::to_string(without_odometry_) + " of " + std::to_string(finished_));
+  }
+
+  void note_lack(const std::string& scans) {
+    if (std::exchange(is_lack_noted_, true)) return;
+    const std::string frame =
+        lacking_frame_.empty() ? "without a frame_id" : "in the frame " + lacking_frame_;
+    notes_.push_back("no odometry for " + scans + " scans " + frame + ", stamped " +
+                     scan_stamps_.text() + "; " + known_odometry(lacking_frame_));
   }
 
   [[nodiscard]] std::string known_odometry(const std::string& frame) const {
@@ -230,6 +253,7 @@ class BagLog final : public LogSource {
       text += "messages of " + *topics_.odometry + " from " + odometry_.parent() + " to " +
               odometry_.child() + " are stamped " + odometry_stamps_.text() + "; ";
     }
+    if (frame.empty()) return text + "frames cannot be connected with these scans";
     text += "frames above " + frame + ":";
     const auto above = frames_.ancestors(frame, 0.0);
     for (std::size_t i = 1; i < above.size(); ++i) text += " " + above[i].name;
@@ -251,7 +275,8 @@ class BagLog final : public LogSource {
   StampRange odometry_stamps_;
   StampRange transform_stamps_;
   std::size_t finished_ = 0;
-  bool has_odometry_ = false;  ///< Any scan so far.
+  std::size_t without_odometry_ = 0;  ///< Of `finished_`.
+  std::string lacking_frame_;         ///< Of the last scan without odometry.
   bool is_lack_noted_ = false;
   bool is_assumption_noted_ = false;
   bool is_slice_noted_ = false;
@@ -269,6 +294,15 @@ Result<std::unique_ptr<LogSource>> open_bag(const std::filesystem::path& path,
   Result<std::unique_ptr<MessageSource>> messages = open_bag_messages(*files);
   if (!messages) return messages.error();
   topics.notes.insert(topics.notes.begin(), files->notes.begin(), files->notes.end());
+  if (topics.is_out_of_order) {
+    topics.notes.emplace_back("the messages are not in the order of their time: they are sorted");
+    const std::set<std::string> of_use = {topics.scans, topics.odometry.value_or(""),
+                                          topics.transforms.value_or(""),
+                                          topics.static_transforms.value_or("")};
+    *messages = sorted_by_time(std::move(*messages), [of_use](const RecordedMessage& message) {
+      return of_use.contains(message.topic);
+    });
+  }
   return std::unique_ptr<LogSource>(
       std::make_unique<BagLog>(std::move(*messages), std::move(topics), selection));
 }

@@ -3,9 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,16 +45,8 @@ class TemporaryFile {
   fs::path path_;
 };
 
-std::vector<std::byte> first_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 4> bytes{};
-  file.read(bytes.data(), bytes.size());
-  const auto read = std::as_bytes(std::span(bytes).first(static_cast<std::size_t>(file.gcount())));
-  return {read.begin(), read.end()};
-}
-
 Result<Source> open_plain_file(const fs::path& path) {
-  const std::vector<std::byte> bytes = first_bytes(path);
+  const std::vector<std::byte> bytes = magic_bytes(path);
   const char begin = bytes.empty() ? '\0' : std::to_integer<char>(bytes.front());
   if (begin == '#') return open_ros1_messages(path);
   if (begin == '\x89') return open_mcap_messages(path);
@@ -64,12 +54,15 @@ Result<Source> open_plain_file(const fs::path& path) {
 }
 
 Result<Source> open_file(const fs::path& path) {
-  if (!is_zstd(first_bytes(path))) return open_plain_file(path);
+  const std::vector<std::byte> begin = magic_bytes(path);
+  if (!is_zstd(begin) && !is_gzip(begin)) return open_plain_file(path);
   const TemporaryFile unpacked;
   if (const auto done = decompress_file(path, unpacked.path()); !done) {
     return Error{done.error().code, done.error().message, path.string()};
   }
-  return open_plain_file(unpacked.path());
+  Result<Source> opened = open_plain_file(unpacked.path());
+  if (opened) return opened;
+  return Error{opened.error().code, "unpacked, it " + opened.error().message, path.string()};
 }
 
 /// The messages of several files, unpacked.

@@ -17,21 +17,32 @@ struct SurveyedTopic {
   MessageKind kind = MessageKind::kLaserScan;
   std::size_t messages = 0;
   std::size_t beams = 0;  ///< Most of the messages looked at; points of a cloud; 0 for other kinds.
+  std::vector<StampedTransform> static_transforms = {};  ///< The first ones.
 };
 
 /// In the order of their first messages.
-using BagSurvey = std::vector<SurveyedTopic>;
+using SurveyedTopics = std::vector<SurveyedTopic>;
 
-/// Looks at a bag from its begin: until 30 s of recorded time after the first scan, or to the end.
+struct BagSurvey {
+  SurveyedTopics topics;
+  /// Messages were recorded before those in front of them, though those of each topic are in order.
+  /// The bag was written topic by topic, or its files were recorded side by side.
+  bool is_out_of_order = false;
+};
+
+/// Looks at a bag from its begin: until 30 s of recorded time after the first scan. To the end
+/// where there was neither odometry nor tf until then, or the bag is out of order.
 [[nodiscard]] BagSurvey survey_bag(MessageSource& messages);
 
 /// The topics that a log is made from, and why these, for people.
 struct BagTopics {
   std::string scans;  ///< Empty when there are none.
   // Nothing when there were none so far; empty when there is no reason to take one of several.
-  std::optional<std::string> odometry;           ///< Of nav_msgs/Odometry.
-  std::optional<std::string> transforms;         ///< "/robot1/tf".
-  std::optional<std::string> static_transforms;  ///< "/robot1/tf_static".
+  std::optional<std::string> odometry;                    ///< Of nav_msgs/Odometry.
+  std::optional<std::string> transforms;                  ///< "/robot1/tf".
+  std::optional<std::string> static_transforms;           ///< "/robot1/tf_static".
+  std::vector<StampedTransform> known_static_transforms;  ///< Of `static_transforms`.
+  bool is_out_of_order = false;
   std::vector<std::string> notes;
 };
 

@@ -30,13 +30,15 @@ struct Channel {
 
 class ChannelTable {
  public:
-  /// `format` is nothing for a serialization that cannot be read here. A channel that is known
-  /// keeps its count.
+  /// A channel that is known keeps its count. With an encoding that cannot be read here its type
+  /// reads "sensor_msgs/LaserScan as json".
   void add(std::uint32_t id, std::string_view topic, std::string_view type,
-           std::optional<WireFormat> format) {
+           std::string_view encoding) {
+    const std::optional<WireFormat> format = wire_format(encoding);
     Channel& channel = channels_[id];
     channel.topic.name = topic;
     channel.topic.type = type;
+    if (!format) channel.topic.type += " as " + std::string(encoding);
     channel.kind = format ? message_kind(type) : std::nullopt;
     channel.format = format.value_or(WireFormat::kRos1);
   }
@@ -56,6 +58,12 @@ class ChannelTable {
   }
 
  private:
+  static std::optional<WireFormat> wire_format(std::string_view encoding) {
+    if (encoding == "cdr") return WireFormat::kCdr;
+    if (encoding == "ros1") return WireFormat::kRos1;
+    return std::nullopt;
+  }
+
   std::map<std::uint32_t, Channel> channels_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <bzlib.h>
 #include <lz4frame.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -122,22 +123,8 @@ std::optional<Error> unpack_zstd(std::span<const std::byte> packed, Output& outp
   return std::nullopt;
 }
 
-}  // namespace
-
-bool is_zstd(std::span<const std::byte> bytes) {
-  constexpr std::array kMagic = {std::byte{0x28}, std::byte{0xb5}, std::byte{0x2f},
-                                 std::byte{0xfd}};
-  return bytes.size() >= kMagic.size() && std::ranges::equal(bytes.first(kMagic.size()), kMagic);
-}
-
-Result<std::vector<std::byte>> decompress_message(std::span<const std::byte> packed) {
-  Output output(kMaxChunkBytes);
-  if (auto error = unpack_zstd(packed, output)) return *error;
-  return std::move(output).take_all();
-}
-
-Result<void> decompress_file(const std::filesystem::path& packed,
-                             const std::filesystem::path& unpacked) {
+Result<void> unpack_zstd_file(const std::filesystem::path& packed,
+                              const std::filesystem::path& unpacked) {
   std::ifstream from(packed, std::ios::binary);
   std::ofstream to(unpacked, std::ios::binary | std::ios::trunc);
   const ZstdStream stream(ZSTD_createDStream(), ZSTD_freeDStream);
@@ -159,6 +146,55 @@ Result<void> decompress_file(const std::filesystem::path& packed,
   if (!to) return Error{ErrorCode::kStorageFull, "cannot be unpacked to " + unpacked.string(), ""};
   if (wanted != 0) return damaged("the zstd file is cut off");
   return {};
+}
+
+/// Keeps what a file holds that is cut off.
+Result<void> unpack_gzip_file(const std::filesystem::path& packed,
+                              const std::filesystem::path& unpacked) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> from(gzopen(packed.c_str(), "rb"), gzclose);
+  std::ofstream to(unpacked, std::ios::binary | std::ios::trunc);
+  if (from == nullptr || !to) return damaged("cannot be unpacked");
+  std::vector<std::byte> block(std::size_t{256} << 10U);
+  int size = 0;
+  while ((size = gzread(from.get(), block.data(), static_cast<unsigned>(block.size()))) > 0) {
+    to.write(as_chars(block.data()), size);
+  }
+  to.close();
+  if (!to) return Error{ErrorCode::kStorageFull, "cannot be unpacked to " + unpacked.string(), ""};
+  if (size < 0) return damaged("the gzip file is damaged");
+  return {};
+}
+
+}  // namespace
+
+bool is_gzip(std::span<const std::byte> bytes) {
+  return bytes.size() >= 2 && bytes[0] == std::byte{0x1f} && bytes[1] == std::byte{0x8b};
+}
+
+bool is_zstd(std::span<const std::byte> bytes) {
+  constexpr std::array kMagic = {std::byte{0x28}, std::byte{0xb5}, std::byte{0x2f},
+                                 std::byte{0xfd}};
+  return bytes.size() >= kMagic.size() && std::ranges::equal(bytes.first(kMagic.size()), kMagic);
+}
+
+Result<std::vector<std::byte>> decompress_message(std::span<const std::byte> packed) {
+  Output output(kMaxChunkBytes);
+  if (auto error = unpack_zstd(packed, output)) return *error;
+  return std::move(output).take_all();
+}
+
+std::vector<std::byte> magic_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 4> bytes{};
+  file.read(bytes.data(), bytes.size());
+  const auto read = std::as_bytes(std::span(bytes).first(static_cast<std::size_t>(file.gcount())));
+  return {read.begin(), read.end()};
+}
+
+Result<void> decompress_file(const std::filesystem::path& packed,
+                             const std::filesystem::path& unpacked) {
+  return is_gzip(magic_bytes(packed)) ? unpack_gzip_file(packed, unpacked)
+                                      : unpack_zstd_file(packed, unpacked);
 }
 
 Result<std::vector<std::byte>> decompress(std::string_view compression,

@@ -1,5 +1,5 @@
 /// \file  Unpacks bags, their chunks and messages. The one place that knows libbz2, liblz4 and
-/// libzstd.
+/// libzstd; gzip is zlib's.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,11 @@ inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 20U;
 /// above kMaxChunkBytes.
 [[nodiscard]] Result<std::vector<std::byte>> decompress_message(std::span<const std::byte> packed);
 
-/// Unpacks a file of zstd frames into another one.
+[[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
+/// As far as the predicates above need them; fewer where the file is shorter.
+[[nodiscard]] std::vector<std::byte> magic_bytes(const std::filesystem::path& path);
+
+/// Unpacks a file of zstd frames, or of gzip, into another one.
 [[nodiscard]] Result<void> decompress_file(const std::filesystem::path& packed,
                                            const std::filesystem::path& unpacked);
 

@@ -138,10 +138,7 @@ class Mcap final : public MessageSource {
     const std::string_view encoding = reader.text();
     const auto type = types_.find(schema);
     if (!reader.ok() || type == types_.end()) return;
-    std::optional<WireFormat> format;
-    if (encoding == "cdr") format = WireFormat::kCdr;
-    if (encoding == "ros1") format = WireFormat::kRos1;
-    channels_.add(id, topic, type->second, format);
+    channels_.add(id, topic, type->second, encoding);
   }
 
   std::optional<RecordedMessage> message_of(WireReader& reader, const std::string& where) {

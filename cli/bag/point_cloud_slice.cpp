@@ -15,6 +15,8 @@ constexpr double kFinestStep = 0.25 / 360.0 * kTurn;
 constexpr double kCoarsestStep = 2.0 / 360.0 * kTurn;
 constexpr double kSameBearing = kFinestStep / 10.0;
 
+constexpr double kNoReturn = 1e-6;  // [m]
+
 struct PolarPoint {
   double bearing;
   double range;
@@ -30,6 +32,8 @@ std::vector<PolarPoint> points_in_band(const PointCloudMessage& cloud,
   for (const Eigen::Vector3f& point : cloud.points) {
     const Eigen::Vector3d level = R_level_cloud * point.cast<double>();
     if (level.z() < band.min_m || level.z() > band.max_m) continue;
+    // Many drivers put a point without return at the origin.
+    if (level.isZero(kNoReturn)) continue;
     points.push_back({std::atan2(level.y(), level.x()), level.head<2>().norm()});
   }
   std::ranges::sort(points, {}, &PolarPoint::bearing);

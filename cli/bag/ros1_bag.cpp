@@ -154,7 +154,7 @@ class Ros1Bag final : public MessageSource {
   void add_connection(std::uint32_t id, const Fields& fields, Bytes data) {
     const auto connection = Fields::parse(data);
     if (!connection) return;
-    channels_.add(id, fields.text("topic"), connection->text("type"), WireFormat::kRos1);
+    channels_.add(id, fields.text("topic"), connection->text("type"), "ros1");
   }
 
   std::optional<RecordedMessage> message_of(std::uint32_t id, const Fields& fields, Bytes data) {

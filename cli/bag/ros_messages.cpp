@@ -178,9 +178,10 @@ Result<PointCloudMessage> parse_point_cloud(std::span<const std::byte> bytes, Wi
   const auto fields = read_coordinate_fields(reader);
   const bool is_big_endian = reader.number<std::uint8_t>() != 0;
   const std::uint64_t point_step = reader.number<std::uint32_t>();
-  const std::uint64_t told_row_step = reader.number<std::uint32_t>();
-  // Some drivers leave the step of a single row at 0.
-  const std::uint64_t row_step = height == 1 ? width * point_step : told_row_step;
+  const std::uint64_t stated_row_step = reader.number<std::uint32_t>();
+  // Some drivers leave the step of a row at 0.
+  const std::uint64_t row_step =
+      height == 1 || stated_row_step == 0 ? width * point_step : stated_row_step;
   const std::span<const std::byte> data = reader.bytes(reader.count(1));
   if (!reader.ok()) return malformed("PointCloud2: ends too early");
   if (!fields) return malformed("PointCloud2: expected fields x, y, z of float32 or float64");

@@ -27,10 +27,8 @@ class SqliteBag final : public MessageSource {
     last_id_ = database_.execAndGet("SELECT ifnull(max(id), 0) FROM messages").getInt64();
     SQLite::Statement topics(database_, "SELECT id, name, type, serialization_format FROM topics");
     while (topics.executeStep()) {
-      const bool is_cdr = topics.getColumn(3).getString() == "cdr";
       channels_.add(topics.getColumn(0).getUInt(), topics.getColumn(1).getString(),
-                    topics.getColumn(2).getString(),
-                    is_cdr ? std::optional(WireFormat::kCdr) : std::nullopt);
+                    topics.getColumn(2).getString(), topics.getColumn(3).getString());
     }
   }
 
@@ -93,7 +91,7 @@ Result<std::unique_ptr<MessageSource>> open_sqlite_messages(const std::filesyste
     return Error{ErrorCode::kMalformed,
                  std::string("is no bag of ROS 2 that can be read, expected tables topics and "
                              "messages: ") +
-                     error.what(),
+                     error.what() + "; sqlite3's .recover may save what is left of a damaged file",
                  path.string()};
   }
 }

@@ -52,27 +52,24 @@ class Quantiser {
   int angle_bins_;
 };
 
-/// All pairs within reach, by a sweep along x, so that a large map costs no n^2.
-std::vector<NearPair> near_pairs(std::span<const Feature> features, const DescriptorParams& params,
-                                 int angle_bins) {
+/// Calls `visit(first, second, v, distance)` for all pairs within reach, always in the same order:
+/// by a sweep along x, so that a large map costs no n^2.
+template <typename Visit>
+void for_each_near_pair(std::span<const Feature> features, double max_distance_m,
+                        const Visit& visit) {
   std::vector<std::uint32_t> by_x(features.size());
   std::iota(by_x.begin(), by_x.end(), 0U);
   const auto x_of = [&](std::uint32_t i) { return features[i].position.x(); };
   std::ranges::stable_sort(by_x, {}, x_of);
-  const Quantiser quantise(params, angle_bins);
-  std::vector<NearPair> pairs;
   for (std::size_t i = 0; i < by_x.size(); ++i) {
     const Point2 p = features[by_x[i]].position;
     for (std::size_t j = i + 1; j < by_x.size(); ++j) {
       const Point2 v = features[by_x[j]].position - p;
-      if (v.x() > params.max_distance_m) break;
+      if (v.x() > max_distance_m) break;
       const double distance = v.norm();
-      if (distance <= params.max_distance_m) {
-        pairs.push_back(quantise(by_x[i], by_x[j], v, distance));
-      }
+      if (distance <= max_distance_m) visit(by_x[i], by_x[j], v, distance);
     }
   }
-  return pairs;
 }
 
 /// Features by squares of `side_m`, and for each one those of its own and the eight squares about:
@@ -122,19 +119,6 @@ void to_offsets(std::vector<Integer>& counts) {
   std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), Integer{0});
 }
 
-/// The pairs by ascending distance bin, by counting: bins are few.
-std::vector<NearPair> sorted_by_distance(const std::vector<NearPair>& pairs) {
-  std::vector<std::size_t> next;
-  for (const NearPair& pair : pairs) {
-    if (pair.distance_bin >= next.size()) next.resize(pair.distance_bin + 1U);
-    ++next[pair.distance_bin];
-  }
-  to_offsets(next);
-  std::vector<NearPair> sorted(pairs.size());
-  for (const NearPair& pair : pairs) sorted[next[pair.distance_bin]++] = pair;
-  return sorted;
-}
-
 }  // namespace
 
 int angle_bins(const DescriptorParams& params) {
@@ -165,19 +149,29 @@ DescriptorSet describe(std::span<const Feature> features, const DescriptorParams
   DescriptorSet set;
   set.params = params;
   set.params.max_distance_m = affordable_distance(features, params.max_distance_m);
-  const std::vector<NearPair> pairs =
-      sorted_by_distance(near_pairs(features, set.params, set.angle_bins()));
+  // Pairs are found twice: to keep them would take more memory than the descriptors.
   set.offsets.assign(features.size() + 1, 0);
-  for (const NearPair& pair : pairs) {
-    ++set.offsets[pair.first];
-    ++set.offsets[pair.second];
-  }
+  for_each_near_pair(features, set.params.max_distance_m,
+                     [&](std::uint32_t first, std::uint32_t second, const Point2&, double) {
+                       ++set.offsets[first];
+                       ++set.offsets[second];
+                     });
   to_offsets(set.offsets);
-  set.entries.resize(2 * pairs.size());
+  set.entries.resize(set.offsets.back());
   std::vector<std::uint32_t> next = set.offsets;
-  for (const NearPair& pair : pairs) {
-    set.entries[next[pair.first]++] = {pair.distance_bin, pair.first_angle_bin, pair.second};
-    set.entries[next[pair.second]++] = {pair.distance_bin, pair.second_angle_bin, pair.first};
+  const Quantiser quantise(set.params, set.angle_bins());
+  for_each_near_pair(
+      features, set.params.max_distance_m,
+      [&](std::uint32_t first, std::uint32_t second, const Point2& v, double distance) {
+        const NearPair pair = quantise(first, second, v, distance);
+        set.entries[next[first]++] = {pair.distance_bin, pair.first_angle_bin, second};
+        set.entries[next[second]++] = {pair.distance_bin, pair.second_angle_bin, first};
+      });
+  const std::span all(set.entries);
+  for (std::size_t feature = 0; feature < features.size(); ++feature) {
+    const std::uint32_t begin = set.offsets[feature];
+    std::ranges::stable_sort(all.subspan(begin, set.offsets[feature + 1] - begin), {},
+                             &DescriptorEntry::distance_bin);
   }
   return set;
 }

@@ -26,6 +26,8 @@ constexpr std::int64_t kManyPieces = 5'000;
 constexpr double kPiecesOfNoise = 2.0;  // [1/m^2] of free space
 // Walls in cells are stairs; what they differ by from straight ones counts as noise of the ranges.
 constexpr double kNoisePerCell = 0.3;
+/// Whose corners are kept in memory until they are in the map.
+constexpr std::size_t kViewpointsAtOnce = 4096;
 constexpr double kThickWall = 0.15;  // [m], and so many cells
 constexpr double kThickWallCells = 4.0;
 constexpr double kCoarseCell = 0.15;  // [m]
@@ -84,15 +86,19 @@ std::vector<Point2> viewpoints_in(const OccupancyGrid& floor_map, const Simulate
 
 std::vector<Feature> features_of(const SimulatedLidar& lidar, std::span<const Point2> viewpoints,
                                  double noise_m, const MapperParams& params) {
-  std::vector<std::vector<Feature>> corners(viewpoints.size());
-  for_each_in_parallel(viewpoints.size(), [&](std::size_t i) {
-    const Point2& viewpoint = viewpoints[i];
-    corners[i] = extract_corners(lidar.scan(viewpoint), params.extractor, noise_m);
-    for (Feature& corner : corners[i])
-      corner = transformed({viewpoint.x(), viewpoint.y(), 0.0}, corner);
-  });
   FeatureMap features(params.features);
-  for (const std::vector<Feature>& seen : corners) features.insert(seen);
+  while (!viewpoints.empty()) {
+    const auto batch = viewpoints.first(std::min(viewpoints.size(), kViewpointsAtOnce));
+    viewpoints = viewpoints.subspan(batch.size());
+    std::vector<std::vector<Feature>> corners(batch.size());
+    for_each_in_parallel(batch.size(), [&](std::size_t i) {
+      const Point2& viewpoint = batch[i];
+      corners[i] = extract_corners(lidar.scan(viewpoint), params.extractor, noise_m);
+      for (Feature& corner : corners[i])
+        corner = transformed({viewpoint.x(), viewpoint.y(), 0.0}, corner);
+    });
+    for (const std::vector<Feature>& seen : corners) features.insert(seen);
+  }
   return features.repeated(params.min_feature_count);
 }
 
@@ -138,16 +144,17 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
   if (!surfaces) return surfaces.error();
   GridMap map;
   map.warnings = warnings_for(floor_map, *surfaces);
-  const SimulatedLidar lidar(clear);
-  const std::vector<Point2> viewpoints = viewpoints_in(clear, lidar);
-  if (viewpoints.empty()) {
-    map.warnings.push_back(
-        "nowhere in the free space has a robot room to move about: the map is without features. "
-        "Are "
-        "resolution and thresholds right?");
+  {  // The lidar takes five times the memory of the grid.
+    const SimulatedLidar lidar(clear);
+    const std::vector<Point2> viewpoints = viewpoints_in(clear, lidar);
+    if (viewpoints.empty()) {
+      map.warnings.emplace_back(
+          "nowhere in the free space has a robot room to move about: the map is without features. "
+          "Are resolution and thresholds right?");
+    }
+    map.content.features =
+        features_of(lidar, viewpoints, kNoisePerCell * floor_map.resolution, params);
   }
-  map.content.features =
-      features_of(lidar, viewpoints, kNoisePerCell * floor_map.resolution, params);
   map.content.descriptors = describe(map.content.features, params.descriptors);
   map.content.grid = std::move(surfaces->grid);
   return map;

@@ -148,20 +148,6 @@ TEST_F(LogReading, LeavesScansOutThatNoLidarTakes) {
   EXPECT_THAT(reader.error().message, HasSubstr("cover more than a full turn"));
 }
 
-TEST_F(LogReading, CountsScansThatAreNoYoungerThanTheOneBefore) {
-  auto reader = LogReader::open(directory_.write("a.jsonl", std::string(kHeader) +
-                                                                R"({"t": 5, "ranges": [1,1,1]})"
-                                                                "\n"
-                                                                R"({"t": 5, "ranges": [1,1,1]})"
-                                                                "\n"
-                                                                R"({"t": 4, "ranges": [1,1,1]})"
-                                                                "\n"
-                                                                R"({"t": 6, "ranges": [1,1,1]})"));
-  ASSERT_TRUE(reader.ok());
-  EXPECT_EQ(read_all(*reader).scans.size(), 2U);
-  EXPECT_EQ(reader->faults().count(), 2U);
-}
-
 TEST_F(LogReading, KeepsTheOrderOfScansOfOneStamp) {
   auto reader = LogReader::open(directory_.write("a.jsonl", std::string(kHeader) +
                                                                 R"({"t": 5, "ranges": [1,1,1]})"
@@ -278,8 +264,8 @@ TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
 
 TEST_F(LogReading, RefusesFilesThatHoldNoDrive) {
   EXPECT_EQ(read_log(directory_.write("a.jsonl", kHeader)).error().message, "holds no scan");
-  EXPECT_EQ(read_log(directory_.write("a.jsonl", "")).error().message, "holds no scan");
-  EXPECT_EQ(read_log(directory_.write("a.bag", "")).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(read_log(directory_.write("a.bag", "nonsense")).error().code,
+            ErrorCode::kInvalidArgument);
   EXPECT_EQ(read_log(directory_.path() / "gone.jsonl").error().code, ErrorCode::kNotFound);
 }
 

@@ -50,6 +50,23 @@ TEST(FrameTree, DoesNotBridgeALongGap) {
   EXPECT_TRUE(frames.find("odom", "laser", 3.0));
 }
 
+TEST(FrameTree, KeepsTheTransformsBeforeAClockWasSetAhead) {
+  FrameTree frames;
+  frames.add(moved(1.0, "odom", "laser", 2.0), kTf);
+  frames.add(moved(2.0, "odom", "laser", 3.0), kTf);
+  frames.add(moved(5000.0, "odom", "laser", 4.0), kTf);
+  EXPECT_TRUE(frames.find("odom", "laser", 1.5));
+  EXPECT_TRUE(frames.find("odom", "laser", 5000.0));
+  EXPECT_FALSE(frames.find("odom", "laser", 2500.0));
+}
+
+TEST(FrameTree, BridgesALongGapInWhichAFrameRested) {
+  FrameTree frames;
+  frames.add(moved(1.0, "odom", "laser", 2.0), kTf);
+  frames.add(moved(4.0, "odom", "laser", 2.0), kTf);
+  EXPECT_TRUE(frames.find("odom", "laser", 2.0));
+}
+
 TEST(FrameTree, FindsFramesWithPrefixAndSuffix) {
   FrameTree frames;
   frames.add(moved(1.0, "robot/odom_combined", "robot/laser", 2.0), kStatic);

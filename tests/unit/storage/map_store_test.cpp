@@ -384,6 +384,16 @@ TEST_F(MapStoreTest, GivesBackContentBitForBit) {
   EXPECT_EQ(store_.find("office")->revision, map.revision);
 }
 
+TEST_F(MapStoreTest, GivesBackTheDescriptorsOfALargeMapWithoutStoringThem) {
+  const MapInfo map = make_map();
+  MapContent content = sample_content(2100);
+  for (Feature& feature : content.features) feature.position.x() *= 0.1;
+  content.descriptors = describe(content.features, content.descriptors.params);
+  ASSERT_GT(content.descriptors.entries.size(), std::size_t{4} << 20U);
+  ASSERT_TRUE(store_.store_content(map.id, map.revision, content));
+  EXPECT_TRUE(is_same(store_.content(map.id).value()->content, content));
+}
+
 TEST_F(MapStoreTest, GivesBackContentWithoutFeatures) {
   const MapInfo map = make_map();
   ASSERT_TRUE(store_.store_content(map.id, map.revision, MapContent{}));

@@ -1,16 +1,10 @@
 // Bags of all kinds through the door that the commands use.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "unit/cli/bag/bag_reading.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
-
-#include "cli/log_reader.hpp"
-#include "unit/cli/bag/bag_writers.hpp"
-#include "unit/cli/temporary_directory.hpp"
 
 namespace cornerfix::cli {
 namespace {
@@ -18,86 +12,7 @@ namespace {
 using testing::HasSubstr;
 using testing::SizeIs;
 
-constexpr double kPi = std::numbers::pi;
-constexpr WireFormat kRos1 = WireFormat::kRos1;
-constexpr WireFormat kCdr = WireFormat::kCdr;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-WrittenMessage scan_message(WireFormat format, double stamp, const std::string& topic = "/scan") {
-  const char* type = format == kRos1 ? "sensor_msgs/LaserScan" : "sensor_msgs/msg/LaserScan";
-  return {stamp + 0.01, topic, type, laser_scan(format, stamp, {1.5F, 2.5F, 30.0F})};
-}
-
-WrittenMessage odometry_message(WireFormat format, double stamp, double x, double y, double yaw,
-                                const std::string& topic = "/odom") {
-  const char* type = format == kRos1 ? "nav_msgs/Odometry" : "nav_msgs/msg/Odometry";
-  return {stamp + 0.01, topic, type, odometry(format, stamp, x, y, yaw)};
-}
-
-WrittenMessage tf_message(WireFormat format, double stamp,
-                          const std::vector<WrittenTransform>& list,
-                          const std::string& topic = "/tf") {
-  return {stamp + 0.01, topic, format == kRos1 ? "tf2_msgs/TFMessage" : "tf2_msgs/msg/TFMessage",
-          transforms(format, stamp, list)};
-}
-
-/// A robot that drives along y = 1 at 1 m/s, its laser 0.5 m ahead; the map lies a quarter turn off
-/// the odometry. Scans half-way between the transforms.
-std::vector<std::vector<WrittenMessage>> drive(WireFormat format, std::size_t scans) {
-  std::vector<std::vector<WrittenMessage>> chunks;
-  chunks.push_back(
-      {tf_message(format, 99.0, {{"base_link", "laser", 0.5, 0.0, 0.0}}, "/tf_static")});
-  for (std::size_t i = 0; i <= scans; ++i) {
-    const double x = 0.1 * static_cast<double>(i);
-    const double stamp = 100.0 + x;
-    chunks.push_back(
-        {tf_message(format, stamp,
-                    {{"odom", "base_link", x, 1.0, 0.0}, {"map", "odom", 10.0, 0.0, kPi / 2.0}}),
-         {stamp, "/camera", "sensor_msgs/Image", "pixels"}});
-    if (i < scans) chunks.back().push_back(scan_message(format, stamp + 0.05));
-  }
-  return chunks;
-}
-
-void expect_drive(const RecordedLog& log, std::size_t scans) {
-  ASSERT_THAT(log.scans, SizeIs(scans));
-  EXPECT_EQ(log.header.beams, 3U);
-  EXPECT_DOUBLE_EQ(log.header.lidar.angle_min, -1.0);
-  EXPECT_DOUBLE_EQ(log.header.lidar.range_max, 20.0);
-  for (std::size_t i = 0; i < scans; ++i) {
-    const LogScan& scan = log.scans[i];
-    const double x = 0.1 * static_cast<double>(i) + 0.05;
-    EXPECT_NEAR(scan.scan.stamp, 100.0 + x, 1e-6);
-    EXPECT_EQ(scan.scan.ranges, (std::vector<float>{1.5F, 2.5F, 30.0F}));
-    ASSERT_TRUE(scan.T_odom_laser);
-    EXPECT_NEAR(scan.T_odom_laser->x, x + 0.5, 1e-5);
-    EXPECT_NEAR(scan.T_odom_laser->y, 1.0, 1e-9);
-    ASSERT_TRUE(scan.T_map_laser);
-    EXPECT_NEAR(scan.T_map_laser->x, 9.0, 1e-9);
-    EXPECT_NEAR(scan.T_map_laser->y, x + 0.5, 1e-5);
-    EXPECT_NEAR(scan.T_map_laser->yaw, kPi / 2.0, 1e-9);
-  }
-}
-
-class BagReading : public testing::Test {
- protected:
-  /// All scans, and what was left out on the way.
-  RecordedLog read(const std::filesystem::path& path, const LogSelection& selection = {}) {
-    Result<LogReader> reader = LogReader::open(path, selection);
-    if (!reader) {
-      ADD_FAILURE() << reader.error().message;
-      return {};
-    }
-    RecordedLog log = read_all(*reader);
-    faults_ = reader->faults();
-    remarks_ = remarks(*reader);
-    return log;
-  }
-
-  TemporaryDirectory directory_;
-  LogFaults faults_;
-  std::string remarks_;
-};
 
 TEST_F(BagReading, ReadsRos1BagsPackedEachWay) {
   for (const char* compression : {"none", "bz2", "lz4"}) {
@@ -243,13 +158,13 @@ TEST_F(BagReading, DoesNotBelieveTheSizeThatAChunkTells) {
   }
 }
 
-TEST_F(BagReading, CountsScansThatGoBackInTime) {
+TEST_F(BagReading, SortsScansAndLeavesOutThoseThatRepeatTheOneBefore) {
   const std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0), scan_message(kRos1, 3.0),
                                                 scan_message(kRos1, 2.0), scan_message(kRos1, 3.0),
                                                 scan_message(kRos1, 4.0)};
-  EXPECT_THAT(read(directory_.write("a.bag", ros1_bag({messages}, "none"))).scans, SizeIs(3));
-  EXPECT_EQ(faults_.count(), 2U);
-  EXPECT_EQ(faults_.first()[0].where, "stamp 2.000000 s");
+  EXPECT_THAT(read(directory_.write("a.bag", ros1_bag({messages}, "none"))).scans, SizeIs(4));
+  EXPECT_EQ(faults_.count(), 1U);
+  EXPECT_EQ(faults_.first()[0].where, "stamp 3.000000 s");
 }
 
 TEST_F(BagReading, UsesEachScanWithItsOwnGeometry) {
@@ -342,8 +257,10 @@ std::vector<WrittenPoint> cylinder() {
 }
 
 TEST_F(BagReading, CutsAPointCloudWhereThereIsNoScan) {
+  std::vector<WrittenPoint> points = cylinder();
+  points.push_back({0.0F, 0.0F, 0.0F});  // A point without return.
   const std::vector<WrittenMessage> messages = {
-      {1.0, "/points", "sensor_msgs/msg/PointCloud2", point_cloud(kCdr, 1.0, cylinder())}};
+      {1.0, "/points", "sensor_msgs/msg/PointCloud2", point_cloud(kCdr, 1.0, points)}};
   const auto path = directory_.write("a.mcap", mcap({messages}, ""));
   const RecordedLog log = read(path);
   ASSERT_THAT(log.scans, SizeIs(1));
@@ -511,140 +428,6 @@ TEST_F(BagReading, SaysWhyNoScanHasOdometry) {
             "no odometry for 10 scans in the frame laser, stamped 12.000 to 12.900 s; messages of "
             "/odom from odom to base_link are stamped 1000.000 to 1000.900 s; frames above laser: "
             "base_link odom; transforms are stamped 1000.000 to 1000.900 s");
-}
-
-// --- bags as they lie ---------------------------------------------------------------------------
-
-/// The same in one list.
-std::vector<WrittenMessage> messages_of(const std::vector<std::vector<WrittenMessage>>& chunks) {
-  std::vector<WrittenMessage> messages;
-  for (const auto& chunk : chunks) messages.insert(messages.end(), chunk.begin(), chunk.end());
-  return messages;
-}
-
-/// A run in files of a few messages each: "drive_0.db3" and so on.
-void write_split(const std::filesystem::path& directory, std::size_t scans, std::size_t files) {
-  const std::vector<WrittenMessage> messages = messages_of(drive(kCdr, scans));
-  const std::size_t size = messages.size() / files + 1;
-  for (std::size_t i = 0; i * size < messages.size(); ++i) {
-    const auto begin = messages.begin() + static_cast<std::ptrdiff_t>(i * size);
-    const auto end =
-        messages.begin() + static_cast<std::ptrdiff_t>(std::min(messages.size(), (i + 1) * size));
-    write_sqlite_bag(directory / ("drive_" + std::to_string(i) + ".db3"), {begin, end});
-  }
-}
-
-TEST_F(BagReading, ReadsTheFilesOfADirectoryByName) {
-  write_split(directory_.path(), 40, 12);
-  expect_drive(read(directory_.path()), 40);
-  EXPECT_EQ(remarks_, "");
-}
-
-TEST_F(BagReading, ReadsTheFilesThatTheMetadataListsInTheirOrder) {
-  write_split(directory_.path(), 20, 2);
-  std::filesystem::rename(directory_.path() / "drive_0.db3", directory_.path() / "z.db3");
-  directory_.write("metadata.yaml",
-                   "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive/z.db3\n"
-                   "    - drive_1.db3\n    - drive_2.db3\n");
-  expect_drive(read(directory_.path()), 20);
-  EXPECT_EQ(remarks_, "drive_2.db3, listed in metadata.yaml, is missing");
-}
-
-TEST_F(BagReading, ReadsADirectoryOfPackedFiles) {
-  const auto chunks = drive(kCdr, 20);
-  const std::size_t half = chunks.size() / 2;
-  const std::vector<std::vector<WrittenMessage>> first(chunks.begin(), chunks.begin() + half);
-  const std::vector<std::vector<WrittenMessage>> second(chunks.begin() + half, chunks.end());
-  directory_.write("drive_0.mcap.zstd", zstd_packed(mcap(first, "")));
-  directory_.write("drive_1.mcap.zstd", zstd_packed(mcap(second, "lz4")));
-  directory_.write("metadata.yaml",
-                   "rosbag2_bagfile_information:\n  relative_file_paths: [drive_0.mcap, "
-                   "drive_1.mcap]\n  compression_format: zstd\n  compression_mode: FILE\n");
-  expect_drive(read(directory_.path()), 20);
-  EXPECT_EQ(remarks_, "");
-}
-
-TEST_F(BagReading, ReadsPackedMessages) {
-  auto chunks = drive(kCdr, 20);
-  for (auto& chunk : chunks) {
-    for (WrittenMessage& message : chunk) message.bytes = zstd_packed(message.bytes);
-  }
-  expect_drive(read(directory_.write("drive.mcap", mcap(chunks, ""))), 20);
-  const auto path = directory_.path() / "drive_0.db3";
-  write_sqlite_bag(path, messages_of(chunks));
-  expect_drive(read(path), 20);
-  chunks[5].back().bytes.resize(20);
-  EXPECT_THAT(read(directory_.write("drive.mcap", mcap(chunks, ""))).scans, SizeIs(19));
-  EXPECT_EQ(faults_.count(), 1U);
-}
-
-TEST_F(BagReading, SaysWhatIsWrongWithAPackedFile) {
-  const std::string packed = zstd_packed(mcap(drive(kCdr, 20), ""));
-  const auto cut =
-      LogReader::open(directory_.write("a.mcap.zstd", packed.substr(0, packed.size() - 10)));
-  EXPECT_THAT(cut.error().message, HasSubstr("the zstd file is cut off"));
-  const auto text = LogReader::open(directory_.write("a.jsonl.zstd", zstd_packed("{}")));
-  EXPECT_THAT(text.error().message, HasSubstr("is no bag of ROS 2 that can be read"));
-}
-
-TEST_F(BagReading, BeginsANewRunWhenTheClockIsSetBack) {
-  std::vector<WrittenMessage> messages;
-  for (int i = 0; i < 10; ++i) {
-    const double stamp = i < 5 ? 10000.0 + 0.1 * i : 6400.0 + 0.1 * i;
-    messages.push_back(tf_message(kCdr, stamp, {{"odom", "laser", 0.1 * i, 0.0, 0.0}}));
-    messages.push_back(scan_message(kCdr, stamp));
-  }
-  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
-  ASSERT_THAT(log.scans, SizeIs(10));
-  EXPECT_EQ(faults_.count(), 0U);
-  for (std::size_t i = 0; i < 10; ++i) {
-    EXPECT_EQ(log.scans[i].begins_run, i == 5);
-    ASSERT_TRUE(log.scans[i].T_odom_laser) << i;
-    EXPECT_NEAR(log.scans[i].T_odom_laser->x, 0.1 * static_cast<double>(i), 1e-6);
-  }
-  EXPECT_NEAR(log.scans[5].scan.stamp, log.scans[4].scan.stamp + 600.0, 1e-6);
-  EXPECT_NEAR(log.scans[6].scan.stamp, log.scans[5].scan.stamp + 0.1, 1e-6);
-  EXPECT_THAT(remarks_, HasSubstr("the clock was set back 1 times"));
-}
-
-TEST_F(BagReading, SaysWhatIsWrongWithAFileThatIsNoBag) {
-  const auto message_of = [&](const std::string& name, const std::string& content) {
-    const auto log = LogReader::open(directory_.write(name, content));
-    return log.ok() ? "" : log.error().message;
-  };
-  EXPECT_THAT(message_of("a.bag", "#ROSBAG V1.2\n"), HasSubstr("bag of format 1.2, expected 2.0"));
-  EXPECT_THAT(message_of("a.bag", "PK"), HasSubstr("unknown kind of log"));
-  EXPECT_THAT(message_of("a.bag", "#ROSBAG V2.0\n"), HasSubstr("holds no scan"));
-  EXPECT_THAT(message_of("a.bag",
-                         "#ROSBAG V2.0\n\xff\xff\xff\xff"
-                         "abc"),
-              HasSubstr("the first at byte 13: a record header that is cut off"));
-  EXPECT_THAT(message_of("a.mcap", "\x89MCAP0\r\n\x06\xff\xff\xff\xff\xff\xff\xff\xff"),
-              HasSubstr("the first at byte 8: a record that is cut off"));
-  EXPECT_THAT(message_of("a.db3", std::string("SQLite format 3\0nothing else", 28)),
-              HasSubstr("is no bag of ROS 2 that can be read"));
-  std::filesystem::create_directory(directory_.path() / "empty");
-  EXPECT_THAT(LogReader::open(directory_.path() / "empty").error().message,
-              HasSubstr("is a directory without the files of a bag"));
-}
-
-TEST_F(BagReading, SurvivesEveryCutAndEveryFlippedByte) {
-  for (const auto& [name, good] : std::vector<std::pair<std::string, std::string>>{
-           {"a.bag", ros1_bag({drive(kRos1, 1)[0], drive(kRos1, 1)[1]}, "none")},
-           {"a.mcap", mcap({drive(kCdr, 1)[0], drive(kCdr, 1)[1]}, "zstd")}}) {
-    for (std::size_t at = 13; at < good.size(); at += at < 4000 && name == "a.bag" ? 97 : 3) {
-      std::string flipped = good;
-      flipped[at] = static_cast<char>(flipped[at] ^ 0x81);
-      for (const std::string& bytes : {good.substr(0, at), flipped}) {
-        Result<LogReader> reader = LogReader::open(directory_.write(name, bytes));
-        if (!reader) {
-          EXPECT_NE(reader.error().message, "");
-        } else {
-          EXPECT_LE(read_all(*reader).scans.size(), 1U);
-        }
-      }
-    }
-  }
 }
 
 }  // namespace

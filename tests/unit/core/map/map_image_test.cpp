@@ -282,6 +282,24 @@ TEST(MapImage, RefusesWhatIsBroken) {
   }
 }
 
+TEST(MapImage, NamesAnImageOfAnotherKind) {
+  const std::vector<std::pair<std::string, std::string>> image_and_kind = {
+      {"P6\n1 1\n255\n...", "a ppm in colour"},
+      {"P4\n1 1\n.", "a pbm"},
+      {std::string("II*\0", 4), "a tiff"},
+      {"\xff\xd8\xff\xe0", "a jpeg"},
+      {"GIF89a", "a gif"},
+      {"", "empty"},
+      {"anything", "no image that is known"},
+  };
+  for (const auto& [image, kind] : image_and_kind) {
+    const auto grid = parse(kYaml, image);
+    ASSERT_FALSE(grid.ok()) << kind;
+    EXPECT_NE(grid.error().message.find(kind), std::string::npos) << grid.error().message;
+    EXPECT_NE(grid.error().message.find("expected a grey pgm"), std::string::npos);
+  }
+}
+
 TEST(MapImage, RefusesASizeAboveItsLimitByTheHeaderAlone) {
   for (const char* header : {"P5\n100000 100000\n255\n", "P2\n9000000000 1\n255\n"}) {
     const auto grid = parse(kYaml, header);
@@ -345,6 +363,16 @@ TEST_F(MapFiles, TakeTheImageBesideTheYamlForOneOfAnotherComputer) {
     EXPECT_NE(files->note.find(image), std::string::npos) << files->note;
     EXPECT_EQ(read_map_files(directory_ / "map.yaml").value(), small_grid());
   }
+}
+
+TEST_F(MapFiles, TakeTheImageThatWasRenamedWithItsYaml) {
+  const auto png = encode_grid_png(small_grid());
+  write("second floor.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  write("second floor.yaml", encode_grid_yaml(small_grid(), "map.png"));
+  const auto files = load_map_files(directory_ / "second floor.yaml");
+  ASSERT_TRUE(files.ok()) << files.error().message;
+  EXPECT_EQ(files->image_path, directory_ / "second floor.png");
+  EXPECT_NE(files->note.find("map.png is not there"), std::string::npos) << files->note;
 }
 
 TEST_F(MapFiles, SayWhichFileIsMissing) {

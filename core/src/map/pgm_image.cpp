@@ -1,0 +1,136 @@
+#include "core/src/map/pgm_image.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cornerfix {
+
+namespace {
+
+Error pgm_error(const std::string& message) {
+  return {ErrorCode::kMalformed, "pgm: " + message, "image"};
+}
+
+/// Reads the white-space separated numbers of a pgm; a comment runs from # to the end of the line.
+class PgmReader {
+ public:
+  explicit PgmReader(std::string_view text) : text_(text) {}
+
+  std::optional<std::int64_t> next_number() {
+    skip_space_and_comments();
+    std::int64_t value = 0;
+    const auto [end, error] =
+        std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
+    if (error != std::errc() || value < 0) return std::nullopt;
+    at_ = static_cast<std::size_t>(end - text_.data());
+    return value;
+  }
+
+  void skip(std::size_t count) { at_ = std::min(at_ + count, text_.size()); }
+  [[nodiscard]] std::string_view rest() const { return text_.substr(at_); }
+
+ private:
+  void skip_space_and_comments() {
+    while (at_ < text_.size()) {
+      if (text_[at_] == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size());
+      } else if (std::string_view(" \t\r\n\v\f").find(text_[at_]) != std::string_view::npos) {
+        ++at_;
+      } else {
+        return;
+      }
+    }
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+/// Classes of all grey values, so that a pixel costs one look-up.
+std::vector<Cell> classes_of_grey_values(const MapYaml& yaml, std::int64_t max_value) {
+  std::vector<Cell> classes;
+  classes.reserve(static_cast<std::size_t>(max_value) + 1);
+  for (std::int64_t value = 0; value <= max_value; ++value) {
+    classes.push_back(classify(yaml, static_cast<double>(value) / static_cast<double>(max_value)));
+  }
+  return classes;
+}
+
+Error pgm_value_above_maximum() { return pgm_error("a value above its maximum"); }
+
+/// P2: the values in decimal.
+Result<void> read_plain_pixels(PgmReader& reader, const std::vector<Cell>& classes,
+                               ImageRows& rows) {
+  // The shortest pixel is a digit and a blank.
+  if ((reader.rest().size() + 1) / 2 <
+      static_cast<std::size_t>(rows.width()) * static_cast<std::size_t>(rows.height())) {
+    return pgm_error("the file ends before the last pixel");
+  }
+  rows.allocate();
+  for (int row = 0; row < rows.height(); ++row) {
+    for (Cell& cell : rows.row(row)) {
+      const auto value = reader.next_number();
+      if (!value) return pgm_error("the file ends before the last pixel");
+      if (static_cast<std::size_t>(*value) >= classes.size()) return pgm_value_above_maximum();
+      cell = classes[static_cast<std::size_t>(*value)];
+    }
+    rows.finish_row(row);
+  }
+  return {};
+}
+
+/// P5: a byte a value, or two with the higher first.
+Result<void> read_binary_pixels(std::string_view pixels, const std::vector<Cell>& classes,
+                                ImageRows& rows) {
+  const std::size_t bytes_per_value = classes.size() > 256 ? 2 : 1;
+  const std::size_t expected = static_cast<std::size_t>(rows.width()) *
+                               static_cast<std::size_t>(rows.height()) * bytes_per_value;
+  if (pixels.size() < expected) {
+    return pgm_error("" + std::to_string(pixels.size()) + " bytes of pixels, expected " +
+                     std::to_string(expected));
+  }
+  rows.allocate();
+  const auto* byte = reinterpret_cast<const unsigned char*>(pixels.data());
+  for (int row = 0; row < rows.height(); ++row) {
+    for (Cell& cell : rows.row(row)) {
+      const std::size_t value = bytes_per_value == 2 ? byte[0] * 256U + byte[1] : byte[0];
+      if (value >= classes.size()) return pgm_value_above_maximum();
+      cell = classes[value];
+      byte += bytes_per_value;
+    }
+    rows.finish_row(row);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<OccupancyGrid> parse_pgm(const MapYaml& yaml, std::string_view image,
+                                const MapImageLimits& limits) {
+  const bool plain = image[1] == '2';
+  PgmReader reader(image);
+  reader.skip(2);
+  const auto width = reader.next_number();
+  const auto height = reader.next_number();
+  const auto max_value = reader.next_number();
+  if (!width || !height || !max_value) {
+    return pgm_error("expected width, height and maximum value");
+  }
+  if (*max_value < 1 || *max_value > 65535) {
+    return pgm_error("maximum value " + std::to_string(*max_value) + ", expected 1 to 65535");
+  }
+  Result<ImageRows> rows = empty_rows(yaml, *width, *height, limits);
+  if (!rows) return rows.error();
+  const std::vector<Cell> classes = classes_of_grey_values(yaml, *max_value);
+  if (!plain) reader.skip(1);  // A single blank stands before the pixels.
+  const Result<void> read = plain ? read_plain_pixels(reader, classes, *rows)
+                                  : read_binary_pixels(reader.rest(), classes, *rows);
+  if (!read) return read.error();
+  return std::move(*rows).take();
+}
+
+}  // namespace cornerfix
