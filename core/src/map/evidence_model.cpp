@@ -147,12 +147,16 @@ std::vector<std::uint8_t> ClassField::walls_between(std::span<const Point2> from
     const Point2 aside =
         kGrazing / (resolution_ * std::max(beam.norm(), 1e-9)) * Point2{-beam.y(), beam.x()};
     doubtful.push_back(i);
-    from_aside.insert(from_aside.end(), {from_cells[i] + aside, from_cells[i] - aside});
-    to_aside.insert(to_aside.end(), {to_cells[i] + aside, to_cells[i] - aside});
+    for (const Point2& shift : {aside, Point2(-aside)}) {
+      from_aside.emplace_back(from_cells[i] + shift);
+      to_aside.emplace_back(to_cells[i] + shift);
+    }
   }
   const std::vector<std::uint8_t> beside = are_crossed(from_aside, to_aside);
-  for (std::size_t i = 0; i < doubtful.size(); ++i)
-    are_blocked[doubtful[i]] = beside[2 * i] & beside[2 * i + 1];
+  for (std::size_t i = 0; i < doubtful.size(); ++i) {
+    const bool is_blocked = beside[2 * i] != 0 && beside[2 * i + 1] != 0;
+    are_blocked[doubtful[i]] = is_blocked ? 1 : 0;
+  }
   return are_blocked;
 }
 
