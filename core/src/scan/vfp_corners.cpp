@@ -184,7 +184,8 @@ std::vector<Feature> extract_vfp_corners(const LaserScan& scan, const VfpParams&
       append_corners(segment.points, 0, size, params, candidates);
     }
   }
-  std::vector<VfpCandidate> kept = suppress_weaker(std::move(candidates), params.suppression_radius_m);
+  std::vector<VfpCandidate> kept =
+      suppress_weaker(std::move(candidates), params.suppression_radius_m);
   std::ranges::sort(kept, {}, &VfpCandidate::beam);
   std::vector<Feature> corners;
   corners.reserve(kept.size());
