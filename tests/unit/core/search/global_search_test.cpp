@@ -74,7 +74,8 @@ TEST(GlobalSearch, ComparesPosesOfTheRegionOnly) {
   for (const Candidate& one : search.candidates().all()) EXPECT_GT(one.T_map_base_link.x, 20.0);
   EXPECT_TRUE(search.acceptable());
   search.lift_restriction();
-  search.review(maps, view, search.candidates().best(), true);
+  const Candidate best = search.candidates().best();
+  search.review(maps, view, best, true);
   EXPECT_FALSE(search.acceptable()) << "the other room is a rival again";
 }
 
