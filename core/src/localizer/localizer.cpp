@@ -373,7 +373,8 @@ struct Localizer::Impl {
       reason = candidates.missing_without_rivals();
       const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
       if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
-      if (fits_badly && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
+      if (reason != Reason::kNone && search.only_mirror_image_fits())
+        reason = Reason::kMirroredScans;
       if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
       return;
     }
