@@ -22,6 +22,7 @@ package=${1:-}
 [[ -n $package ]] || build
 
 root=$(mktemp -d)
+chmod 755 "$root"  # The service user has to pass it.
 trap 'rm -rf --one-file-system "$root" "$root.log"' EXIT
 in_root() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C "$@"; }
 apt() { in_root apt-get -qq -y "$@" >"$root.log" 2>&1 || { cat "$root.log"; fail "apt-get $*"; }; }
