@@ -235,7 +235,8 @@ class BagLog final : public LogSource {
 
   /// Names the share of the scans that have none, where some have.
   void note_missing_odometry() {
-    if (10 * without_odometry_ <= finished_) return;
+    constexpr std::size_t kFewScans = 3;  // at the begin and the end of a bag
+    if (without_odometry_ <= kFewScans || 10 * without_odometry_ <= finished_) return;
     note_lack(std::to_string(without_odometry_) + " of " + std::to_string(finished_));
   }
 
