@@ -270,8 +270,12 @@ TEST_F(LocalizationServiceTest, ShowsTheNewestScanOfTheLocalMapAfterARestart) {
 TEST_F(LocalizationServiceTest, DoesNotBindLaterScansToTheNumberOfBeamsOfTheFirst) {
   const std::string id = create(process_);
   answer(process_, id, batch(0));
-  EXPECT_EQ(service_.head(id)->lidar.beams, std::nullopt);
-  EXPECT_EQ(Process(file()).localization.head(id)->lidar.beams, std::nullopt);
+  const auto expected_beams = [&](const auto& head) {
+    EXPECT_TRUE(head->lidars.only);
+    return head->lidars.only ? head->lidars.only->beams : std::nullopt;
+  };
+  EXPECT_EQ(expected_beams(service_.head(id)), std::nullopt);
+  EXPECT_EQ(expected_beams(Process(file()).localization.head(id)), std::nullopt);
 }
 
 TEST_F(LocalizationServiceTest, SharesASessionWithAnotherProcess) {
