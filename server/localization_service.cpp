@@ -27,7 +27,7 @@ constexpr int kMaxAttempts = 3;
 constexpr std::chrono::seconds kSweepInterval{30};
 /// Of a session with its localizer, as measured: its submap, and while it searches, what it has
 /// looked at (docs/reliability.md, section 5).
-constexpr std::size_t kTrackingBytes = 1'000'000;
+constexpr std::size_t kTrackingBytes = 1'500'000;
 constexpr std::size_t kSearchingBytes = 3'000'000;
 
 /// 128 random bits: nobody guesses another robot's session.

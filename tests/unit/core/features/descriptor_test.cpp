@@ -136,16 +136,6 @@ TEST(Descriptor, StaysSmallOnALargeMap) {
   EXPECT_LT(set.entries.size() * sizeof(DescriptorEntry), 3'000'000U);
 }
 
-TEST(Descriptor, LooksLessFarWhereFeaturesAreTooMany) {
-  std::mt19937_64 random(6);
-  const auto features = random_features(8000, 10.0, random);
-  const DescriptorSet set = describe(features, {});
-  EXPECT_LT(set.params.max_distance_m, 10.0);
-  EXPECT_LT(set.entries.size(), 60'000'000U);
-  EXPECT_GT(set.entries.size(), features.size());
-  EXPECT_EQ(by_feature(set[17]), by_feature(describe_one(features, 17, set.params)));
-}
-
 TEST(DescriptorParams, NameTheBrokenLimit) {
   EXPECT_FALSE(validate(DescriptorParams{}));
   EXPECT_EQ(validate(DescriptorParams{.distance_resolution_m = 0.0})->field,
