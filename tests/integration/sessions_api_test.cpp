@@ -254,7 +254,9 @@ TEST_F(SessionsApiTest, ARobotThatIsNotNearThePlaceGetsNoPose) {
     const Json answer = post(id, i).json();
     EXPECT_EQ(answer["status"], "collecting");
     EXPECT_EQ(answer["pose"], nullptr);
-    if (i > 1) EXPECT_EQ(answer["reason"], "prior_contradicted");
+    if (i > 1) {
+      EXPECT_EQ(answer["reason"], "prior_contradicted");
+    }
   }
   EXPECT_EQ(client_.send("POST", "/v1/sessions/" + id + "/reset", "", "").json()["near"], nullptr);
 }

@@ -54,6 +54,7 @@ TEST(RenderAnswer, IsTheExampleOfTheContract) {
     "confidence": 0.998,
     "hypotheses": [{"map": "office-2", "revision": 7, "x": 4.5, "y": -0.75, "yaw": 1.5,
                     "votes": 31, "inliers": 12, "score": 0.875}],
+    "given": null,
     "explanation": {"explained_share": 0.938, "unknown_share": 0.125, "margin_per_hit": 0.25,
                     "probability_explained": 0.999, "probability_best": 0.999},
     "reason": null, "odometry": "weighted_down",

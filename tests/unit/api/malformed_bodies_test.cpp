@@ -215,7 +215,7 @@ constexpr Case kWrongScans[] = {
     {"OwnAngleAString", R"({"stamp": 1, "ranges": [1, 2, 3], "angle_min": "left"})", 422,
      "/scans/0/angle_min"},
     {"MoreThanATurn", R"({"stamp": 1, "ranges": [1, 2, 3], "angle_increment": 100})", 422,
-     "/scans/0/ranges"},
+     "/scans/0/angle_increment"},
     {"RangeMaxMinusInfinite", R"({"stamp": 1, "ranges": [1, 2, 3], "range_max": -1e999})", 422,
      "/scans/0/range_max"},
     {"UnknownMember", R"({"stamp": 1, "ranges": [1, 2, 3], "tilt": {"roll": 0}})", 422,

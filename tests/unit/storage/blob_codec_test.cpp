@@ -140,7 +140,7 @@ TEST_P(EveryBlob, SurvivesAnyResealedByte) {
 TEST(BlobCodec, BeginsWithVersionAndKind) {
   for (std::size_t i = 0; i < codecs().size(); ++i) {
     const std::string& name = codecs()[i].name;
-    EXPECT_EQ(codecs()[i].sample[0], name == "LocalizerState" ? 4 : name == "Features" ? 2 : 1);
+    EXPECT_EQ(codecs()[i].sample[0], name == "LocalizerState" ? 5 : name == "Features" ? 2 : 1);
     EXPECT_EQ(codecs()[i].sample[1], i + 1) << codecs()[i].name;
   }
 }
