@@ -10,7 +10,7 @@ export function stateOf(session, now) {
   return {
     // After a reset the last answer is one of before.
     status: answer ? (session.status === 'collecting' ? 'collecting' : answer.status) : 'waiting',
-    silent: session.stale ?? age_s > SILENT_S,
+    silent: session.stale || age_s > SILENT_S,
     age_s,
   };
 }

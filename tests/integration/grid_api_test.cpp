@@ -131,7 +131,7 @@ TEST_F(GridApiTest, BadFilesGetAClearErrorAndStoreNothing) {
            Case{form(zero, room_.image), 422, R"("pointer":"/yaml/resolution")"},
            Case{form("resolution: 1", room_.image), 422, R"("pointer":"/yaml/image")"},
            Case{form(room_.yaml, one_by_one), 422, "no occupied cell"},
-           Case{form(room_.yaml, "GIF89a"), 400, "neither"},
+           Case{form(room_.yaml, "GIF89a"), 400, "is a gif, expected"},
            Case{form(room_.yaml, room_.image.substr(0, 200)), 400, "png"},
            Case{form("[", room_.image), 400, R"("pointer":"/yaml")"},
            Case{part("yaml", room_.yaml) + "--xyz--\r\n", 422, "/image"},

@@ -141,9 +141,9 @@ TEST_F(LogReading, GivesUpOnAFileOfBrokenLinesOnly) {
 TEST_F(LogReading, LeavesScansOutThatNoLidarTakes) {
   auto reader = LogReader::open(directory_.write(
       "a.jsonl",
-      R"({"name": "office", "beams": 3, "angle_min": -1, "angle_increment": 4, "range_min": 0.1, "range_max": 9})"
+      R"({"name": "office", "beams": 4, "angle_min": -1, "angle_increment": 4, "range_min": 0.1, "range_max": 9})"
       "\n"
-      R"({"t": 1, "ranges": [1, 1, 1]})"));
+      R"({"t": 1, "ranges": [1, 1, 1, 1]})"));
   ASSERT_FALSE(reader.ok());
   EXPECT_THAT(reader.error().message, HasSubstr("cover more than a full turn"));
 }
@@ -431,7 +431,7 @@ TEST_F(LogReading, TakesFieldOfViewAndRangeOfACarmenLogFromItsParameters) {
 TEST_F(LogReading, LeavesCarmenScansOutThatNoLidarTakes) {
   const auto log = read_log(directory_.write(
       "drive.log",
-      "ROBOTLASER1 0 -1.5 3.0 4.0 50.0 0.01 0 3 1 2 3 0 0 0 0 0 0 0 0 0 0 0 0 11.5 host 0.2\n"));
+      "ROBOTLASER1 0 -1.5 3.0 4.0 50.0 0.01 0 4 1 2 3 4 0 0 0 0 0 0 0 0 0 0 0 0 11.5 host 0.2\n"));
   ASSERT_FALSE(log.ok());
   EXPECT_THAT(log.error().message, HasSubstr("cover more than a full turn"));
 }
