@@ -79,7 +79,7 @@ const std::vector<WrongBody>& wrong_bodies() {
       {"MapNewNotJson", "PUT", "/v1/maps/new", "{", 400},
       {"SessionWithoutRobot", "POST", "/v1/sessions", R"({"map": "office"})", 422},
       {"SessionBadRobot", "POST", "/v1/sessions", R"({"robot": "a b", "map": "office"})", 422},
-      {"SessionWithoutLidar", "POST", "/v1/sessions", R"({"robot": "a", "map": "office"})", 422},
+      {"SessionWithoutMap", "POST", "/v1/sessions", R"({"robot": "a", "map": "nowhere"})", 404},
       {"LocalizeNoScans", "POST", "/v1/maps/office/localize", "{}", 422},
   };
   return table;

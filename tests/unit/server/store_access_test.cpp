@@ -49,10 +49,11 @@ TEST_F(StoreAccessTest, NoticesThatItsFileWasReplaced) {
 }
 
 TEST_F(StoreAccessTest, NoticesThatTheWriteAheadLogOrItsIndexWasDeleted) {
-  for (const char* companion : {"test.db-wal", "test.db-shm"}) {
-    stores_ = StoreAccess::open(file_).value();
+  for (const std::string companion : {"-wal", "-shm"}) {
+    const std::filesystem::path file = directory_ / ("without" + companion + ".db");
+    stores_ = StoreAccess::open(file).value();
     ASSERT_TRUE(stores_->probe(0));
-    ASSERT_TRUE(std::filesystem::remove(directory_ / companion)) << companion;
+    ASSERT_TRUE(std::filesystem::remove(file.string() + companion)) << companion;
     expect_unavailable();
   }
 }
