@@ -26,7 +26,6 @@ MIN_MARGIN, MIN_MARGIN_PER_HIT = 3, 0.02  # as in AcceptanceParams
 # The a-contrario test is calibrated by theory, where the slope is 1; samples of few buildings leave it
 # open. Slopes near 0.8 fit all domains that have wrong poses with a low significance.
 SIGNIFICANCE_SLOPE = 0.8
-NO_RIVAL = 11.99  # evidence against rivals when there is none
 LEAST_GROUP = 250  # samples; smaller domains weigh in proportion
 PROBABILITIES = (0.9, 0.95, 0.98, 0.99, 0.995)
 
@@ -81,8 +80,7 @@ def sigmoid(x):
 
 def no_rival(samples, chosen, offset=0.0):
     """Probability that no rival is the correct pose. By theory the offset is 0."""
-    evidence = samples.rival_evidence[chosen]
-    return np.where(evidence < NO_RIVAL, sigmoid(offset + evidence), 1)
+    return sigmoid(offset + samples.rival_evidence[chosen])
 
 
 def importance_of(samples, chosen):

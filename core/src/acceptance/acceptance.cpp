@@ -16,8 +16,9 @@ constexpr double kPosesPerSquareMetre = 100.0;
 // Limits of the significance that the calibration data cover [nat].
 constexpr double kMostSignificance = 15.0;
 constexpr double kLeastSignificance = -25.0;
-// Evidence against rivals without any rival, and with many as good as the best [nat].
-constexpr double kMostRivalEvidence = 12.0;
+// Evidence against rivals without any rival, and with many as good as the best [nat]. Some 1,000
+// accepted poses without a wrong one support no higher probability than that of the first.
+constexpr double kMostRivalEvidence = 7.0;
 constexpr double kLeastRivalEvidence = -3.0;
 
 // Coefficients of the logistic model of the significance. By theory its slope is 1, because the
@@ -83,7 +84,7 @@ AcceptanceTerms weigh(const EvidenceScore& best, double margin, std::span<const 
       std::clamp(-std::log(odds_of_rivals), kLeastRivalEvidence, kMostRivalEvidence);
   terms.unknown_share = best.unmapped;
   terms.probability_explained = logistic(kExplainedOffset + kExplainedSlope * terms.significance);
-  terms.probability_best = log_odds.empty() ? 1.0 : logistic(terms.rival_evidence);
+  terms.probability_best = logistic(terms.rival_evidence);
   terms.probability_correct = terms.probability_explained * terms.probability_best;
   return terms;
 }

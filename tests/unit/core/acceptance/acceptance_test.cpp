@@ -61,11 +61,16 @@ TEST(Acceptance, TheSameFitMeansLessInALargerMap) {
 
 TEST(Acceptance, ProbabilityGrowsWithTheOddsAgainstARival) {
   double last = 0.0;
-  for (double log_odds = -2.0; log_odds <= 10.0; log_odds += 1.0) {
+  for (double log_odds = -2.0; log_odds <= 7.0; log_odds += 1.0) {
     const double p = probability(score_with(0.9), 30.0, {log_odds});
     EXPECT_GT(p, last) << log_odds;
     last = p;
   }
+}
+
+TEST(Acceptance, NoEvidenceGivesMoreThanTheCalibrationSupports) {
+  EXPECT_LT(probability(score_with(1.0, 400.0), 150.0), 0.9995);
+  EXPECT_EQ(probability(score_with(0.9), 30.0, {50.0}), probability(score_with(0.9), 30.0));
 }
 
 TEST(Acceptance, EvenOddsAreNoMoreThanOneHalf) {
