@@ -42,13 +42,12 @@ Json ros_time(double stamp) {
 /// 3 x 3 of x, y, yaw in the 6 x 6 of x, y, z and the rotations about x, y, z.
 Json ros_covariance(const Json& covariance) {
   constexpr std::array<std::size_t, 3> kPlace{0, 1, 5};
-  std::array<Json, 36> entries;
-  entries.fill(0.0);
+  Json::array_t entries(36, 0.0);
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column)
       entries[6 * kPlace[row] + kPlace[column]] = covariance[3 * row + column];
   }
-  return Json(entries);
+  return entries;
 }
 
 /// geometry_msgs/PoseWithCovarianceStamped

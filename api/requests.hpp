@@ -49,8 +49,8 @@ struct Lidar {
 /// its own geometry.
 struct Lidars {
   Lidars() = default;
-  Lidars(std::optional<Lidar> lidar) : only(std::move(lidar)) {}
-  Lidars(Lidar lidar) : only(std::move(lidar)) {}
+  Lidars(std::optional<Lidar> lidar) : only(lidar) {}
+  Lidars(const Lidar& lidar) : only(lidar) {}
 
   std::optional<Lidar> only;
   std::map<std::string, Lidar, std::less<>> by_name;  ///< Empty beside `only`.

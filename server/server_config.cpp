@@ -4,7 +4,6 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <ranges>
 #include <system_error>
 #include <utility>
 
@@ -53,10 +52,9 @@ Error in_file(const std::filesystem::path& file, Error error) {
 std::string source_of(const std::string& pointer, const std::vector<ConfigOverride>& overrides) {
   const std::size_t end = std::min(pointer.find('/', 1), pointer.size());
   const std::string_view key = std::string_view(pointer).substr(1, end - 1);
-  for (const ConfigOverride& value : overrides | std::views::reverse) {
-    if (value.key == key) return value.source + pointer.substr(end);
-  }
-  return pointer;
+  const auto last = std::find_if(overrides.rbegin(), overrides.rend(),
+                                 [&](const ConfigOverride& value) { return value.key == key; });
+  return last == overrides.rend() ? pointer : last->source + pointer.substr(end);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "core/src/base/thinned.hpp"
 #include "core/src/search/place_fields.hpp"
@@ -218,9 +219,9 @@ struct PlaceSearch::Run::State {
   };
 
   State(const PlaceFields& the_fields, std::span<const Point2> ends_base_link,
-        std::span<const Point2> way_base_link, const PlaceSearchParams& the_params)
+        std::span<const Point2> way_base_link, PlaceSearchParams the_params)
       : fields(the_fields),
-        params(the_params),
+        params(std::move(the_params)),
         points(ends_base_link, way_base_link, params.max_points, fields.cell_m),
         open(points.highest()),
         opened_down_to(points.highest() + 1) {
