@@ -16,8 +16,8 @@ constexpr double kPosesPerSquareMetre = 100.0;
 // Limits of the significance that the calibration data cover [nat].
 constexpr double kMostSignificance = 15.0;
 constexpr double kLeastSignificance = -25.0;
-// Evidence against rivals without any rival, and with many as good as the best [nat]. Some 1,000
-// accepted poses without a wrong one support no higher probability than that of the first.
+// Evidence against rivals without any rival, and with many as good as the best [nat]. About 900
+// accepted samples without a wrong one support no higher probability than that of the first.
 constexpr double kMostRivalEvidence = 7.0;
 constexpr double kLeastRivalEvidence = -3.0;
 

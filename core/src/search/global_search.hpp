@@ -41,7 +41,6 @@ class GlobalSearch {
   void restrict_to(const StartRegion& region, const Pose2& T_start_base_link);
   /// Poses everywhere may be searched from now on.
   void lift_restriction();
-  [[nodiscard]] bool is_restricted() const { return region_.has_value(); }
 
   /// Where the robot may be by what it sees, to be verified. `seed` varies random draws.
   void propose(Maps maps, const View& view, std::uint64_t seed);

@@ -104,6 +104,14 @@ TEST(RivalLogOdds, BlocksThatFavourTheRivalLowerThem) {
   EXPECT_NEAR(log_odds_of({2.0F, -2.0F}), 0.0, 1e-9);
 }
 
+TEST(RivalLogOdds, AChangedWarehouseIsNotDecidedByItsMargin) {
+  // Stock that changed favours the rival in 20 blocks, and by chance the pose in 30.
+  std::vector<float> differences(30, 8.0F);
+  differences.insert(differences.end(), 20, -8.0F);
+  const double margin = (30 - 20) * 8.0;
+  EXPECT_LT(probability(score_with(0.9), margin, {log_odds_of(differences)}), 0.95);
+}
+
 TEST(RivalLogOdds, AreAntisymmetric) {
   EXPECT_NEAR(log_odds_of({3.0F, 1.0F, -1.0F}), -log_odds_of({-3.0F, -1.0F, 1.0F}), 1e-9);
 }

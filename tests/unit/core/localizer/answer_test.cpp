@@ -27,6 +27,7 @@ TEST(Answer, NamesWhatIsMissingAsOnTheWire) {
   EXPECT_EQ(to_string(Reason::kOdometryContradictsScans), "odometry_contradicts_scans");
   EXPECT_EQ(to_string(Reason::kSearching), "searching");
   EXPECT_EQ(to_string(Reason::kPriorContradicted), "prior_contradicted");
+  EXPECT_EQ(to_string(Reason::kMirroredScans), "mirrored_scans");
 }
 
 MATCHER_P2(IsClass, name, count, "is class " + std::string(name)) {

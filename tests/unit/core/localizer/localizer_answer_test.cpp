@@ -95,19 +95,5 @@ TEST(Localizer, WithoutAClockTimesAreZero) {
   EXPECT_EQ(localizer.process(room_drive(18, 1).front().scan).times.total_ms, 0.0);
 }
 
-TEST(Localizer, NamesOnTheWire) {
-  EXPECT_EQ(to_string(Status::kCollecting), "collecting");
-  EXPECT_EQ(to_string(Status::kAmbiguous), "ambiguous");
-  EXPECT_EQ(to_string(Status::kLocalized), "localized");
-  EXPECT_EQ(to_string(Status::kLost), "lost");
-  EXPECT_EQ(to_string(Reason::kNone), "");
-  EXPECT_EQ(to_string(Reason::kNoReturns), "no_returns");
-  EXPECT_EQ(to_string(Reason::kFewFeatures), "few_features");
-  EXPECT_EQ(to_string(Reason::kNoMotion), "no_motion");
-  EXPECT_EQ(to_string(Reason::kNoMatch), "no_match");
-  EXPECT_EQ(to_string(Reason::kFewEvidence), "few_evidence");
-  EXPECT_EQ(to_string(Reason::kContradicted), "contradicted");
-}
-
 }  // namespace
 }  // namespace cornerfix
