@@ -75,7 +75,7 @@ struct EvidenceScore {
   double fit = 0.0;                ///< Log-likelihood ratio that ranks poses in the search [nat].
   double log_likelihood = 0.0;     ///< Log-likelihood ratio that the decision compares [nat].
   int ends = 0;                    ///< Hits judged.
-  std::vector<float> block_llr{};  ///< log_likelihood by square of 2 m [nat].
+  std::vector<float> block_llr{};  ///< log_likelihood by block [nat].
   /// Effective number of squares that the hits spread over: (sum n)^2 / sum n^2 of their counts n.
   double independent_hits = 0.0;
   // Shares of the ends:

@@ -41,7 +41,7 @@ struct PoseEstimatorParams {
 
 /// When a candidate pose is accepted.
 struct AcceptanceParams {
-  double min_probability = 0.997;  ///< Of the calibrated model; in (0, 1).
+  double min_probability = 0.998;  ///< Of the calibrated model; in (0, 1).
   double min_gap = 3.0;        ///< Log-likelihood less that of the best other place [nat]; >= 0.
   double min_mean_gap = 0.02;  ///< The same a hit: identical rooms stay below; >= 0.
 };

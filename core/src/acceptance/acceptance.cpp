@@ -38,20 +38,33 @@ double probability_below_half(double changed, double unchanged) {
   return std::max(kLeast, Eigen::betainc(a, b, half)(0));
 }
 
+/// Share of the poses `shifted`, and of the one that block `i` favours, that do not match what is
+/// in the block as the favoured pose does.
+double distinctiveness(std::size_t i, double middle_llr, const EvidenceScore& rival,
+                       std::span<const EvidenceScore* const> shifted) {
+  const auto copies = std::ranges::count_if(shifted, [&](const EvidenceScore* one) {
+    return one != &rival && static_cast<double>(one->block_llr[i]) > middle_llr;
+  });
+  return 1.0 - static_cast<double>(copies) / (1.0 + static_cast<double>(shifted.size()));
+}
+
 }  // namespace
 
-double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival) {
+double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival,
+                      std::span<const EvidenceScore* const> shifted) {
   double favouring_best = 0.0;
   double favouring_rival = 0.0;
   double squares = 0.0;
   for (std::size_t i = 0; i < std::min(best.block_llr.size(), rival.block_llr.size()); ++i) {
-    const double difference =
-        static_cast<double>(best.block_llr[i]) - static_cast<double>(rival.block_llr[i]);
-    (difference > 0.0 ? favouring_best : favouring_rival) += std::abs(difference);
-    squares += difference * difference;
+    const auto best_llr = static_cast<double>(best.block_llr[i]);
+    const auto rival_llr = static_cast<double>(rival.block_llr[i]);
+    const double difference = std::abs(best_llr - rival_llr);
+    const double weight = distinctiveness(i, 0.5 * (best_llr + rival_llr), rival, shifted);
+    (best_llr > rival_llr ? favouring_best : favouring_rival) += weight * difference;
+    squares += weight * difference * difference;
   }
   if (squares <= 0.0) return 0.0;
-  // Sums of weights become effective numbers: n = (sum w)^2 / sum w^2, shared as the weights are.
+  // Sums become effective numbers: n = (sum w d)^2 / sum w d^2, shared as the sums are.
   const double scale = (favouring_best + favouring_rival) / squares;
   const double for_best = scale * favouring_best;
   const double for_rival = scale * favouring_rival;

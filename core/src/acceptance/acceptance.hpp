@@ -21,8 +21,13 @@ namespace cornerfix {
 /// they differ [nat]. Each block that differs favours one of the poses. A block favours the wrong
 /// pose when what stands there has changed, with an unknown probability below one half, uniformly
 /// distributed. Blocks count by their effective number, as in EvidenceScore::independent_hits. 0
-/// without differences. O(blocks).
-[[nodiscard]] double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival);
+/// without differences.
+/// \param shifted  Scores of the other poses with the heading of the best, the rival among them or
+/// not: where the building repeats, these are the copies of the place. A block counts by the share
+/// of the copies that do not match it, because stock, doors and furniture match by chance in as
+/// many copies. O(blocks * shifted).
+[[nodiscard]] double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival,
+                                    std::span<const EvidenceScore* const> shifted = {});
 
 /// Negative logarithm of the expected number of poses that explain as many independent hits by
 /// chance [nat]. It is the independent hits times the relative entropy of the explained share,

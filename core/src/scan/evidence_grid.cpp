@@ -3,22 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
+
+#include "core/src/scan/evidence_blocks.hpp"
 
 namespace cornerfix {
-namespace {
-
-/// (sum n)^2 / sum n^2 of the counts n of each block: how many equal blocks would be as many.
-double effective_number(const std::vector<std::uint16_t>& block_of, std::size_t blocks) {
-  std::vector<double> counts(blocks, 0.0);
-  for (const std::uint16_t block : block_of) counts[block] += 1.0;
-  double squares = 0.0;
-  for (const double count : counts) squares += count * count;
-  const auto all = static_cast<double>(block_of.size());
-  return squares > 0.0 ? all * all / squares : 0.0;
-}
-
-}  // namespace
-
 EvidenceGrid::EvidenceGrid(const Point2& center, EvidenceGridParams params)
     : params_(params),
       center_(center),
@@ -106,13 +95,16 @@ Evidence EvidenceGrid::collect() const {
       std::max(1, static_cast<int>(std::lround(kBlockSize / params_.resolution_m)));
   const int blocks_per_row = size_ / block_cells + 1;
   assert(blocks_per_row < 256 && "block numbers fit 16 bits");
-  std::vector<std::uint16_t> block_of(static_cast<std::size_t>(blocks_per_row * blocks_per_row), 0);
-  const auto block = [&](int column, int row) {
-    std::uint16_t& id = block_of[static_cast<std::size_t>((row / block_cells) * blocks_per_row +
-                                                          column / block_cells)];
-    if (id == 0) id = static_cast<std::uint16_t>(++evidence.blocks);
+  std::vector<std::uint16_t> number_of(static_cast<std::size_t>(blocks_per_row * blocks_per_row),
+                                       0);
+  std::size_t squares = 0;
+  const auto square = [&](int column, int row) {
+    std::uint16_t& id = number_of[static_cast<std::size_t>((row / block_cells) * blocks_per_row +
+                                                           column / block_cells)];
+    if (id == 0) id = static_cast<std::uint16_t>(++squares);
     return static_cast<std::uint16_t>(id - 1);
   };
+  std::vector<HitCell> hit_cells;
   for (const std::uint32_t index : touched_) {
     const auto column = static_cast<int>(index) % size_;
     const auto row = static_cast<int>(index) / size_;
@@ -124,13 +116,16 @@ Evidence EvidenceGrid::collect() const {
                         static_cast<double>(cell.sum_y) / cell.ends};
       evidence.ends.emplace_back(corner + params_.resolution_m * mean);
       evidence.origins.emplace_back(cell.origin_x, cell.origin_y);
-      evidence.end_blocks.push_back(block(column, row));
+      hit_cells.push_back({column, row, square(column, row)});
     } else if (cell.passes > 0 && column % 2 == 0 && row % 2 == 0) {
       evidence.free.emplace_back(corner + params_.resolution_m * Point2{0.5, 0.5});
-      evidence.free_blocks.push_back(block(column, row));
+      evidence.free_blocks.push_back(square(column, row));
     }
   }
-  evidence.independent_hits = effective_number(evidence.end_blocks, evidence.blocks);
+  HitBlocks blocks = blocks_of_hits(hit_cells, squares);
+  evidence.blocks = blocks.count;
+  evidence.independent_hits = effective_squares(hit_cells, squares);
+  evidence.end_blocks = std::move(blocks.of_hit);
   return evidence;
 }
 

@@ -23,21 +23,18 @@ struct EvidenceGridParams {
   double extent_m = 60.0;  ///< Side of the square that is kept; > 0.
 };
 
-/// Side of the squares within which evidence is correlated: one wall, car or pallet [m].
-inline constexpr double kBlockSize = 2.0;
-
 /// Points that stand for what was seen, in the frame of the grid's scans.
 struct Evidence {
   std::vector<Point2> ends{};  ///< Where walls are: the mean of the hits in a cell.
   std::vector<Point2> free{};  ///< Where beams passed and none ended.
   /// From where each of `ends` was last seen, or empty when that does not matter.
   std::vector<Point2> origins{};
-  /// The block of each of `ends` and of `free`, in [0, blocks): squares of kBlockSize. Empty, or as
+  /// The block of each of `ends` and of `free`, in [0, blocks) (evidence_blocks.hpp). Empty, or as
   /// long as these.
   std::vector<std::uint16_t> end_blocks{};
   std::vector<std::uint16_t> free_blocks{};
   std::size_t blocks = 0;
-  /// Effective number of blocks that `ends` spread over: (sum n)^2 / sum n^2 of their counts n.
+  /// Effective number of squares that `ends` spread over: (sum n)^2 / sum n^2 of their counts n.
   double independent_hits = 0.0;
 };
 

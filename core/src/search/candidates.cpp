@@ -55,11 +55,24 @@ Candidate* Candidates::find(std::size_t map, const Pose2& T_map_base_link) {
 AcceptanceTerms Candidates::terms(double depth) const {
   double margin = margin_without_rivals(depth);
   std::vector<double> log_odds;
+  const std::vector<const EvidenceScore*> shifted = scores_of_shifted();
   for (const Candidate& rival : all().subspan(1)) {
     margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
-    log_odds.push_back(rival_log_odds(best().score, rival.score));
+    log_odds.push_back(rival_log_odds(best().score, rival.score, shifted));
   }
   return weigh(best().score, margin, log_odds, free_area_m2_);
+}
+
+std::vector<const EvidenceScore*> Candidates::scores_of_shifted() const {
+  constexpr double kSameHeading = 0.05;  // [rad]
+  std::vector<const EvidenceScore*> scores;
+  for (const Candidate& one : all().subspan(1)) {
+    const bool is_shifted =
+        one.map == best().map &&
+        angle_between(one.T_map_base_link, best().T_map_base_link) < kSameHeading;
+    if (is_shifted) scores.push_back(&one.score);
+  }
+  return scores;
 }
 
 AcceptanceTerms Candidates::terms_without_rivals(double depth) const {

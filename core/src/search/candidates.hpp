@@ -67,6 +67,8 @@ class Candidates {
 
  private:
   [[nodiscard]] bool acceptable(const AcceptanceTerms& terms) const;
+  /// Of the rivals with the heading of the best, in its map.
+  [[nodiscard]] std::vector<const EvidenceScore*> scores_of_shifted() const;
   [[nodiscard]] double margin_without_rivals(double depth) const;
   Candidate* find(std::size_t map, const Pose2& T_map_base_link);
 

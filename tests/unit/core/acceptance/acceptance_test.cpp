@@ -126,6 +126,35 @@ TEST(RivalLogOdds, AreZeroWithoutDifferences) {
   EXPECT_EQ(log_odds_of({0.0F, 0.0F}), 0.0);
 }
 
+/// A pose that matches each of `blocks` or not.
+EvidenceScore matching(const std::vector<bool>& blocks) {
+  EvidenceScore score;
+  for (const bool is_matched : blocks) score.block_llr.push_back(is_matched ? 4.0F : -4.0F);
+  return score;
+}
+
+TEST(RivalLogOdds, WhatOtherCopiesOfThePlaceMatchTooCountsLess) {
+  // Doors: each copy of the place matches those that are in the same state by chance.
+  const EvidenceScore best = matching({true, true, true, true, true, true, true, true});
+  const EvidenceScore rival = matching({false, false, false, false, false, false, false, false});
+  const EvidenceScore half = matching({true, false, true, false, true, false, true, false});
+  const EvidenceScore other_half = matching({false, true, false, true, false, true, false, true});
+  const std::vector<const EvidenceScore*> copies{&rival, &half, &other_half};
+  const double alone = rival_log_odds(best, rival);
+  const double among_copies = rival_log_odds(best, rival, copies);
+  EXPECT_LT(among_copies, 0.85 * alone);
+  // Each block is matched by one of three copies and counts 3/4.
+  EXPECT_NEAR(among_copies, std::log(std::exp2(0.75 * 8.0 + 1.0) - 1.0), 1e-6);
+}
+
+TEST(RivalLogOdds, WhatNoOtherCopyMatchesCountsInFull) {
+  const EvidenceScore best = matching({true, true, true, true});
+  const EvidenceScore rival = matching({false, false, false, false});
+  const EvidenceScore copy = rival;
+  const std::vector<const EvidenceScore*> copies{&rival, &copy};
+  EXPECT_NEAR(rival_log_odds(best, rival, copies), rival_log_odds(best, rival), 1e-9);
+}
+
 TEST(RivalLogOdds, AreFiniteForThousandsOfBlocks) {
   const double large = log_odds_of(std::vector<float>(3600, 1.0F));
   EXPECT_TRUE(std::isfinite(large));
