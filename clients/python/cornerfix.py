@@ -113,7 +113,7 @@ class Problem(CornerfixError):
 
     def _pointed(self) -> str:
         parts = [
-            f"{pointer}: {detail}" for pointer, detail in self.errors if detail not in self.detail
+            f"{pointer}: {detail}" for pointer, detail in self.errors if pointer not in self.detail
         ]
         return "".join(f"; {part}" for part in parts)
 
@@ -618,7 +618,7 @@ def _session_path(session: str, rest: str = "") -> str:
 
 def _image_of(yaml: pathlib.Path) -> pathlib.Path:
     """The path in a yaml may be one of another computer."""
-    text = yaml.read_text(encoding="utf-8-sig")
+    text = yaml.read_text(encoding="utf-8-sig", errors="replace")
     named = re.search(
         r"""^\s*["']?image["']?\s*:\s*("[^"\n]*"|'[^'\n]*'|[^"'#\n][^\n]*?)\s*(?:\s#.*)?$""",
         text,
