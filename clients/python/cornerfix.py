@@ -23,6 +23,7 @@ import http.client
 import itertools
 import json
 import math
+import numbers
 import pathlib
 import random
 import re
@@ -213,6 +214,16 @@ class Scan:
     lidar_name: Optional[str] = None
     """Which of the robot's `lidars`."""
 
+    def check(self) -> None:
+        """A ValueError for a scan that cannot be sent."""
+        if not _is_finite(self.stamp):
+            raise ValueError(f"stamp: {self.stamp!r}, expected seconds")
+        if len(self.ranges) == 0:
+            raise ValueError("ranges: none, expected metres, or None for no return")
+        for name, value, kind in (("lidar", self.lidar, Lidar), ("odom", self.odom, Pose)):
+            if value is not None and not isinstance(value, kind):
+                raise ValueError(f"{name}: {value!r}, expected a {kind.__name__} or None")
+
     def to_json(self, lidar: Optional[Lidar]) -> Json:
         """Without the pose, and without geometry and mount if they are those of `lidar`, which the
         request or the session has."""
@@ -337,6 +348,10 @@ def _session(body: Json) -> Session:
     session = _from_json(Session, {**body, "last_answer": last and _answer(last)})
     session.raw.update(body)
     return session
+
+
+def _is_finite(number: object) -> bool:
+    return isinstance(number, numbers.Real) and math.isfinite(number)
 
 
 def _number_or_none(number: Optional[float]) -> Optional[float]:
@@ -501,7 +516,7 @@ class Client:
         self, name: str, scans: Sequence[Scan], *, options: Optional[Json] = None
     ) -> Answer:
         """One question without a session."""
-        lidar = scans[0].lidar
+        lidar = scans[0].lidar if scans else None
         body = {
             "lidar": lidar and lidar.to_json(),
             "options": options,
@@ -723,7 +738,9 @@ class Robot:
             self.close()
 
     def add(self, scan: Scan) -> Optional[Answer]:
-        """Takes a scan. The answer, when this scan made a batch full; None otherwise."""
+        """Takes a scan. The answer, when this scan made a batch full; None otherwise. A scan that
+        cannot be sent is a ValueError, and is not taken."""
+        scan.check()
         self._check_lidar_name(scan)
         if not self._accept_stamp(scan):
             self.dropped += 1
@@ -833,7 +850,11 @@ class Robot:
     def _post(self) -> Answer:
         if self.session is None:
             self._create_session(self._in_flight[0].lidar)
-        scans = [scan.to_json(self._known_lidar(scan)) for scan in self._in_flight]
+        try:
+            scans = [scan.to_json(self._known_lidar(scan)) for scan in self._in_flight]
+        except (TypeError, ValueError):  # A range that is no number.
+            self._in_flight = []
+            raise
         assert self.session is not None
         return self.client.post_scans(self.session, self._sequence, scans)
 
@@ -895,7 +916,7 @@ def read_log(path: PathLike) -> Iterator[Scan]:
         numbered = enumerate(_whole_lines(lines), start=1)
         first = next(((number, line) for number, line in numbered if line.strip()), None)
         if first is None:
-            raise LogError(f"{path}: empty")
+            raise LogError(f"{path}: holds no whole line")
         every = itertools.chain([first], numbered)
         yield from (_json_lines if first[1].lstrip().startswith("{") else _carmen)(every, path)
 
@@ -926,8 +947,10 @@ def _json_lines(lines: Iterable[Tuple[int, str]], path: PathLike) -> Iterator[Sc
                 lidar = _lidar_of(header)
             else:
                 yield _json_scan(members, header, lidar)
-        except (KeyError, TypeError, ValueError) as error:
-            raise LogError(f"{path}, line {number}: {type(error).__name__} {error}") from error
+        except KeyError as error:
+            raise LogError(f"{path}, line {number}: {error.args[0]}: missing") from error
+        except (AttributeError, TypeError, ValueError) as error:
+            raise LogError(f"{path}, line {number}: {error}") from error
 
 
 def _lidar_of(members: Json) -> Lidar:
@@ -956,6 +979,8 @@ def _json_scan(members: Json, header: Json, lidar: Lidar) -> Scan:
 def _pose_or_none(values: Optional[Sequence[float]]) -> Optional[Pose]:
     if values is None:
         return None
+    if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
+        raise ValueError(f"{values!r}, expected [x, y, yaw] or null")
     x, y, yaw = values
     return Pose(float(x), float(y), wrap_angle(yaw))
 

@@ -276,6 +276,28 @@ class SequenceTest(unittest.TestCase):
             robot.add(scan(2.0))
             self.assertEqual((robot.session, self.sent(stub)[-1]), ("t", (0, [2.0])))
 
+    def test_does_not_take_a_scan_that_cannot_be_sent(self):
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=1)
+            for wrong, message in (
+                (Scan(math.nan, [1.0], LIDAR), "stamp: nan, expected seconds"),
+                (Scan(1.0, [], LIDAR), "ranges: none"),
+                (Scan(1.0, [1.0], LIDAR, odom=(1, 2, 3)), "expected a Pose or None"),
+                (Scan(1.0, [1.0], {"angle_min": 1.0}), "expected a Lidar or None"),
+            ):
+                with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                    robot.add(wrong)
+            self.assertIsNotNone(robot.add(scan(1.0)))
+            self.assertEqual(self.sent(stub), [(0, [1.0])])
+
+    def test_drops_a_batch_with_a_range_that_is_no_number(self):
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=1)
+            with self.assertRaises(TypeError):
+                robot.add(Scan(1.0, ["far"], LIDAR))
+            self.assertIsNotNone(robot.add(scan(2.0)))
+            self.assertEqual(self.sent(stub), [(0, [2.0])])
+
     def test_sends_the_geometry_and_mount_of_another_lidar(self):
         other = dataclasses.replace(LIDAR, mount=Pose(0.2, 0.0, 0.0), roll=math.pi)
         with Stub(self.CREATED, self.TAKEN, self.TAKEN) as stub:
@@ -414,7 +436,9 @@ class LogTest(unittest.TestCase):
         for line, what in (
             ('{"t": 1, "ranges": [1]}', "1 values, expected 2"),
             ('{"t": 1', "line 2"),
-            ('{"ranges": [1, 2]}', "KeyError 't'"),
+            ("[1, 2]", "line 2: "),
+            ('{"t": 1, "ranges": [1, 2], "odom": [1, 2]}', r"\[1, 2\], expected \[x, y, yaw\]"),
+            ('{"ranges": [1, 2]}', "line 2: t: missing"),
         ):
             with self.subTest(line), self.assertRaisesRegex(LogError, what):
                 self.read(json.dumps(self.HEADER), line)
@@ -430,7 +454,7 @@ class LogTest(unittest.TestCase):
     def test_refuses_a_file_that_is_no_log(self):
         with self.assertRaisesRegex(LogError, "neither JSON lines nor a CARMEN log"):
             self.read("hello")
-        with self.assertRaisesRegex(LogError, "empty"):
+        with self.assertRaisesRegex(LogError, "holds no whole line"):
             self.read()
 
 
