@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 namespace cornerfix::ros2 {
@@ -143,13 +144,22 @@ std::size_t ScanAssembler::count_complete(Clock::time_point now) const {
   return std::min(static_cast<std::size_t>(end - ready_.begin()), kMaxBatch);
 }
 
+bool ScanAssembler::lacks_motion(std::size_t count) const {
+  const auto batch = std::ranges::take_view(ready_, static_cast<std::ptrdiff_t>(count));
+  return std::ranges::any_of(batch, [&](const Ready& ready) {
+    const auto is_same_lidar = [&](const Ready& other) {
+      return other.scan.lidar == ready.scan.lidar;
+    };
+    return ready.scan.time_increment != 0.0 && std::ranges::count_if(batch, is_same_lidar) < 2;
+  });
+}
+
 std::vector<AssembledScan> ScanAssembler::take_batch(Clock::time_point now) {
   for (Lidar& lidar : lidars_) move_ready(lidar, now);
   const std::size_t count = count_complete(now);
   if (count == 0) return {};
-  // The motion during a scan is known from a second one in the same request.
-  const bool needs_two = ready_.front().scan.time_increment != 0.0;
-  if (needs_two && count < 2 && now - ready_.front().received < kMaxWait) return {};
+  const bool is_late = now - ready_.front().received >= kMaxWait;
+  if (!is_late && lacks_motion(count)) return {};
   std::vector<AssembledScan> batch;
   for (std::size_t i = 0; i < count; ++i) {
     batch.push_back(std::move(ready_.front().scan));

@@ -98,6 +98,9 @@ class ScanAssembler {
   /// How many of the first ready scans no other lidar can come before.
   [[nodiscard]] std::size_t count_complete(Clock::time_point now) const;
   [[nodiscard]] bool is_complete(const Ready& ready, Clock::time_point now) const;
+  /// Whether one of the first `count` ready scans was taken beam by beam and is the only one of its
+  /// lidar. A second one in the same request gives the motion.
+  [[nodiscard]] bool lacks_motion(std::size_t count) const;
   /// Far behind the others, or not heard yet.
   [[nodiscard]] bool is_silent(const Lidar& lidar) const;
   /// Of all lidars; 0 before the first scan.

@@ -158,8 +158,9 @@ class TwoLidarsTest : public ScanAssemblerTest {
       scans_.add_odometry(transform(stamp, "odom", "base_link", 1.0));
   }
 
-  void add(std::size_t lidar, double stamp, milliseconds after = milliseconds(0)) {
-    ReceivedScan scan = scan_at(stamp);
+  void add(std::size_t lidar, double stamp, milliseconds after = milliseconds(0),
+           double time_increment = 0.0) {
+    ReceivedScan scan = scan_at(stamp, time_increment);
     if (lidar == 1) scan.frame = "rear_laser";
     scans_.add_scan(std::move(scan), now_ + after, lidar);
   }
@@ -226,6 +227,15 @@ TEST_F(TwoLidarsTest, WorkWhileOneHasNoTransform) {
   EXPECT_THAT(taken(take(milliseconds(250))), ElementsAre(Pair("front", 1.0)));
   EXPECT_EQ(scans_.problem(),
             "rear: no transform from base_link to rear_laser, the frame of the scans");
+}
+
+TEST_F(TwoLidarsTest, SendTwoScansOfEachWhenTheyMoveDuringAScan) {
+  for (const std::size_t lidar : {0U, 1U}) add(lidar, 1.0, milliseconds(0), 0.001);
+  EXPECT_THAT(take(), IsEmpty());
+  add(0, 1.1, milliseconds(0), 0.001);
+  EXPECT_THAT(take(), IsEmpty());
+  add(1, 1.1, milliseconds(0), 0.001);
+  EXPECT_THAT(take(), SizeIs(4));
 }
 
 TEST_F(TwoLidarsTest, BeginARunTogetherWhenTheClockWasSetBack) {
