@@ -112,7 +112,7 @@ Result<void> RobotBridge::subscribe(DdsNode& node) {
   done = node.subscribe<OdometryMessage>(
       dds_topic(topic("odom")), kOdometry, [this](const OdometryMessage& message) {
         const auto transform = odometry_transform(message);
-        if (transform) update([&](ScanAssembler& scans) { scans.add_odometry(*transform); });
+        update([&](ScanAssembler& scans) { scans.add_odometry(transform); });
       });
   if (!done) return done;
   return subscribe_scans(node);

@@ -50,6 +50,11 @@ void ScanAssembler::add_scan(ReceivedScan scan, Clock::time_point now, std::size
   if (source.waiting.size() > kMaxKept) source.waiting.pop_front();
 }
 
+void ScanAssembler::add_odometry(const std::optional<StampedTransform>& T_odom_child) {
+  is_odometry_broken_ = !T_odom_child;
+  if (T_odom_child) odometry_.add(*T_odom_child);
+}
+
 bool ScanAssembler::accept_stamp(Lidar& lidar, double stamp) {
   if (lidar.last_stamp && stamp < *lidar.last_stamp - kSetBackSeconds) begin_run(stamp);
   const double least = (1.0 - kPeriodTolerance) / options_.max_rate_hz;
@@ -197,6 +202,10 @@ bool ScanAssembler::is_silent(const Lidar& lidar) const {
 std::string ScanAssembler::problem() const {
   for (const Lidar& lidar : lidars_) {
     if (!lidar.problem.empty()) return prefix_of(lidar.name) + lidar.problem;
+  }
+  if (is_odometry_broken_) {
+    return "odometry without a pose: its position must be finite, its orientation a unit "
+           "quaternion";
   }
   const bool has_scans =
       std::ranges::any_of(lidars_, [](const Lidar& lidar) { return lidar.last_stamp.has_value(); });

@@ -48,7 +48,8 @@ class ScanAssembler {
 
   /// \param lidar  Index in the options.
   void add_scan(ReceivedScan scan, Clock::time_point now, std::size_t lidar = 0);
-  void add_odometry(const StampedTransform& T_odom_child) { odometry_.add(T_odom_child); }
+  /// Nothing stands for a message without a pose.
+  void add_odometry(const std::optional<StampedTransform>& T_odom_child);
   void add_transform(const StampedTransform& transform, FrameTree::Origin origin) {
     frames_.add(transform, origin);
   }
@@ -64,8 +65,8 @@ class ScanAssembler {
   /// The frame above the base in which the odometry is; empty when there is none.
   [[nodiscard]] std::string odom_frame() const;
 
-  /// Why the last scan of a lidar could not be used, or which lidar is silent while others are not;
-  /// empty when all are well.
+  /// Why the last scan of a lidar or the last odometry could not be used, or which lidar is silent
+  /// while others are not; empty when all are well.
   [[nodiscard]] std::string problem() const;
 
  private:
@@ -109,6 +110,7 @@ class ScanAssembler {
   Options options_;
   FrameTree frames_;
   RobotOdometry odometry_{/*is_chosen=*/false};
+  bool is_odometry_broken_ = false;  ///< The last message of it.
   std::vector<Lidar> lidars_;
   std::deque<Ready> ready_;           ///< By stamp.
   std::optional<double> last_taken_;  ///< Stamp of the last scan of the last batch.

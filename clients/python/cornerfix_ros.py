@@ -30,6 +30,7 @@ from cornerfix import (
 )
 
 MAX_TILT_RAD = math.radians(25.0)  # As for bags (docs/logs.md).
+MAX_NORM_ERROR = 0.1  # Of a unit quaternion, as over HTTP.
 ODOMETRY_KEPT_S = 10.0
 MAX_ODOMETRY_WAIT_S = 0.5
 MAX_WAITING_SCANS = 500
@@ -42,8 +43,11 @@ Result = TypeVar("Result")
 
 
 def yaw_of(q: Quaternion) -> float:
-    """Heading of the x axis of a frame turned by the quaternion x, y, z, w."""
+    """Heading of the x axis of a frame turned by the quaternion x, y, z, w. One that is not of unit
+    length, such as that of a message which was not filled in, is a ValueError."""
     x, y, z, w = q
+    if not abs(math.sqrt(x * x + y * y + z * z + w * w) - 1.0) <= MAX_NORM_ERROR:
+        raise ValueError(f"orientation {q}: expected a unit quaternion x, y, z, w")
     return math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
 
 

@@ -68,10 +68,12 @@ class CornerfixNode(Node):
 
     def _take_odometry(self, message):
         position, q = message.pose.pose.position, message.pose.pose.orientation
-        self._bridge.add_odometry(
-            seconds(message.header.stamp),
-            Pose(position.x, position.y, yaw_of((q.x, q.y, q.z, q.w))),
-        )
+        try:
+            pose = Pose(position.x, position.y, yaw_of((q.x, q.y, q.z, q.w)))
+        except ValueError as error:
+            self._publish_failure(ValueError(f"odometry: {error}"))
+            return
+        self._bridge.add_odometry(seconds(message.header.stamp), pose)
 
     def _take_scan(self, lidar_name, message):
         try:

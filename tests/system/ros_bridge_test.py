@@ -49,6 +49,12 @@ class GeometryTest(unittest.TestCase):
         for yaw in (-3.0, -0.5, 0.0, 1.0, 3.1):
             self.assertAlmostEqual(yaw_of(quaternion_of(yaw)), yaw)
 
+    def test_refuses_a_quaternion_that_was_not_filled_in(self):
+        for wrong in ((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 2.0), (math.nan, 0.0, 0.0, 1.0)):
+            with self.subTest(wrong), self.assertRaisesRegex(ValueError, "a unit quaternion"):
+                yaw_of(wrong)
+        self.assertAlmostEqual(yaw_of((0.0, 0.0, 0.0, 0.99)), 0.0)
+
     def test_a_level_laser_keeps_its_angles(self):
         mount = Mount.of(0.2, -0.1, quaternion_of(1.0))
         lidar = mount.lidar(-1.5, 0.01, 0.1, math.inf)

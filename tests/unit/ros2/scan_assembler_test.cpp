@@ -72,6 +72,17 @@ TEST_F(ScanAssemblerTest, LeavesOutOdometryThatDoesNotComeInTime) {
   EXPECT_FALSE(batch[0].T_odom_base_link);
 }
 
+TEST_F(ScanAssemblerTest, NamesOdometryWithoutAPose) {
+  scans_.add_scan(scan_at(1.0), now_);
+  scans_.add_odometry(std::nullopt);
+  const auto batch = take(milliseconds(250));
+  ASSERT_THAT(batch, SizeIs(1));
+  EXPECT_FALSE(batch[0].T_odom_base_link);
+  EXPECT_THAT(scans_.problem(), HasSubstr("its orientation a unit quaternion"));
+  scans_.add_odometry(transform(1.0, "odom", "base_link", 1.0));
+  EXPECT_THAT(scans_.problem(), IsEmpty());
+}
+
 TEST_F(ScanAssemblerTest, NamesTheTransformThatIsMissing) {
   ReceivedScan scan = scan_at(1.0);
   scan.frame = "front_laser";
