@@ -24,7 +24,7 @@ struct Imported {
   std::vector<std::string> warnings;
 };
 
-/// A server takes bodies of 16 MiB, unless it is configured otherwise.
+/// Larger images are packed before they are sent.
 constexpr std::size_t kMaxImageBytes = std::size_t{15} << 20U;
 
 /// The same cells as a png, which is a small part of a large pgm. Returns what the map's owner

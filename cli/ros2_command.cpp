@@ -52,6 +52,17 @@ ros2::RobotName parse_robot(const std::string& text) {
   return robot;
 }
 
+StartRegion parse_near(const std::vector<double>& values) {
+  constexpr double kYawTolerance = 0.8;  // [rad], as the server has it.
+  StartRegion near{.center = {values[0], values[1]}, .radius_m = values[2]};
+  if (values.size() > 3) near.yaw = values[3];
+  near.yaw_tolerance_rad = values.size() > 4 ? values[4] : kYawTolerance;
+  if (const auto error = validate(near)) {
+    throw CLI::ValidationError("--near", error->field + " " + error->message);
+  }
+  return near;
+}
+
 int run_ros2(Ros2Arguments& arguments) {
   BridgeOptions& options = arguments.bridge;
   options.server = {arguments.server.url, arguments.server.token};
@@ -88,6 +99,14 @@ void add_robot_options(CLI::App& command, Ros2Arguments& arguments) {
       ->type_name("NAME[=NAMESPACE]");
   command.add_option("--map", options.maps, "Map to look in; may be repeated (all of the server)")
       ->check(map_name());
+  command
+      .add_option_function<std::vector<double>>(
+          "--near",
+          [&options](const std::vector<double>& values) { options.near = parse_near(values); },
+          "Where robots are switched on: X, Y and RADIUS in metres in the map; with YAW [rad] also "
+          "the heading, to within TOLERANCE (0.8 rad)")
+      ->expected(3, 5)
+      ->type_name("X Y RADIUS [YAW [TOLERANCE]]");
   command.add_option("--rate", options.max_rate_hz, "Scans to post per second at most")
       ->check(above_zero())
       ->capture_default_str();
@@ -117,6 +136,19 @@ void add_ros_options(CLI::App& command, BridgeOptions& options) {
           "Another name for the topic scan, odom, tf, tf_static, initialpose or diagnostics; one "
           "with a leading / is in no namespace")
       ->type_name("FROM:=TO")
+      ->group("ROS 2");
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--scan",
+          [&options](const std::vector<std::string>& topics) {
+            for (const std::string& topic : topics) {
+              if (!ros2::is_ros_name(topic))
+                throw CLI::ValidationError("--scan", topic + " is no name of a ROS topic");
+            }
+            options.scan_topics = topics;
+          },
+          "Topic of a lidar, for robots with several: once per lidar (scan)")
+      ->type_name("TOPIC")
       ->group("ROS 2");
   command.add_option("--base-frame", options.base_frame, "Frame whose pose is published")
       ->capture_default_str()

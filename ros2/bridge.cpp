@@ -17,11 +17,12 @@ std::optional<Error> find_shared(const BridgeOptions& options) {
     if (!names.insert(robot.name).second) {
       return Error{ErrorCode::kInvalidArgument, "two robots have the name " + robot.name, ""};
     }
-    const std::string scan = options.remappings.resolve("scan", robot.ns);
-    if (!topics.insert(scan).second) {
+    for (const std::string& topic : options.scan_topics) {
+      const std::string scan = options.remappings.resolve(topic, robot.ns);
+      if (topics.insert(scan).second) continue;
       return Error{ErrorCode::kInvalidArgument,
-                   "two robots have the topic " + scan +
-                       "; give each a namespace of its own: --robot NAME=NAMESPACE",
+                   "two robots or lidars have the topic " + scan +
+                       "; give each robot a namespace of its own: --robot NAME=NAMESPACE",
                    ""};
     }
   }

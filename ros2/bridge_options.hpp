@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <cornerfix/start_region.hpp>
 
 #include "ros2/topic_names.hpp"
 
@@ -30,12 +33,14 @@ struct RobotName {
 
 struct BridgeOptions {
   ServerAddress server;
-  std::vector<RobotName> robots;  ///< One or more.
-  std::vector<std::string> maps;  ///< Where robots may be; empty for all maps of the server.
+  std::vector<RobotName> robots;    ///< One or more.
+  std::vector<std::string> maps;    ///< Where robots may be; empty for all maps of the server.
+  std::optional<StartRegion> near;  ///< Where robots are switched on, in each of the maps.
 
   std::uint32_t domain = 0;
   bool is_local_only = false;  ///< Loopback only, as with ROS_LOCALHOST_ONLY=1.
   Remappings remappings;
+  std::vector<std::string> scan_topics = {"scan"};  ///< One per lidar of a robot.
 
   std::string map_frame = "map";
   std::string base_frame = "base_link";  ///< "robot1/base_link" is called so, too.

@@ -40,15 +40,45 @@ Diagnosis diagnose(const Answer& answer, double stamp) {
   return diagnosis;
 }
 
+std::vector<std::string> full_names(const std::vector<std::string>& topics,
+                                    const BridgeOptions& options, const std::string& ns) {
+  std::vector<std::string> names;
+  for (const std::string& topic : topics) names.push_back(options.remappings.resolve(topic, ns));
+  return names;
+}
+
+/// Names of the lidars on the server; empty for one lidar, which needs none.
+std::vector<std::string> names_of_several(const std::vector<std::string>& topics) {
+  std::vector<std::string> names;
+  if (topics.size() < 2) return names;
+  for (const std::string& topic : topics) names.push_back(lidar_name(topic));
+  return names;
+}
+
+ScanAssembler::Options assembler_options(const BridgeOptions& options,
+                                         const std::vector<std::string>& topics) {
+  ScanAssembler::Options out{.base_frame = options.base_frame, .max_rate_hz = options.max_rate_hz};
+  if (topics.size() > 1) out.lidars = names_of_several(topics);
+  return out;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 }  // namespace
 
 RobotBridge::RobotBridge(const BridgeOptions& options, RobotName robot, Log log)
     : options_(options),
       robot_(std::move(robot)),
+      scan_topics_(full_names(options.scan_topics, options, robot_.ns)),
       log_(std::move(log)),
-      session_(options.server, robot_.name, options.maps),
+      session_(options.server,
+               {robot_.name, options.maps, names_of_several(scan_topics_), options.near}),
       gate_(options.when),
-      scans_({options.base_frame, options.max_rate_hz}) {}
+      scans_(assembler_options(options, scan_topics_)) {}
 
 RobotBridge::~RobotBridge() { stop(); }
 
@@ -82,15 +112,24 @@ Result<void> RobotBridge::subscribe(DdsNode& node) {
   done = node.subscribe<OdometryMessage>(
       dds_topic(topic("odom")), kOdometry, [this](const OdometryMessage& message) {
         const auto transform = odometry_transform(message);
-        if (transform) update([&](ScanAssembler& scans) { scans.add_odometry(*transform); });
+        update([&](ScanAssembler& scans) { scans.add_odometry(transform); });
       });
   if (!done) return done;
-  return node.subscribe<LaserScanMessage>(
-      dds_topic(topic("scan")), kSensorData, [this](const LaserScanMessage& message) {
-        update([&](ScanAssembler& scans) {
-          scans.add_scan(received_scan(message), ScanAssembler::Clock::now());
+  return subscribe_scans(node);
+}
+
+Result<void> RobotBridge::subscribe_scans(DdsNode& node) {
+  for (std::size_t lidar = 0; lidar < scan_topics_.size(); ++lidar) {
+    auto done = node.subscribe<LaserScanMessage>(
+        dds_topic(scan_topics_[lidar]), kSensorData,
+        [this, lidar](const LaserScanMessage& message) {
+          update([&](ScanAssembler& scans) {
+            scans.add_scan(received_scan(message), ScanAssembler::Clock::now(), lidar);
+          });
         });
-      });
+    if (!done) return done;
+  }
+  return {};
 }
 
 void RobotBridge::update(const std::function<void(ScanAssembler&)>& change) {
@@ -126,7 +165,7 @@ bool RobotBridge::pause(std::chrono::milliseconds duration) {
 }
 
 void RobotBridge::work() {
-  log_(robot_.name + ": waiting for scans on " + topic("scan"));
+  log_(robot_.name + ": waiting for scans on " + joined(scan_topics_));
   while (!is_stopping()) {
     const std::vector<AssembledScan> batch = wait_for_batch();
     if (!batch.empty()) {
@@ -145,9 +184,8 @@ std::vector<AssembledScan> RobotBridge::wait_for_batch() {
     const auto now = ScanAssembler::Clock::now();
     std::vector<AssembledScan> batch = scans_.take_batch(now);
     if (!batch.empty() || now >= end) return batch;
-    // A deadline that is over has nothing to wait for: its scan lacks a transform.
-    const auto deadline = scans_.next_deadline();
-    changed_.wait_until(lock, deadline && *deadline > now ? std::min(*deadline, end) : end);
+    const auto deadline = scans_.next_deadline(now);
+    changed_.wait_until(lock, deadline ? std::min(*deadline, end) : end);
   }
   return {};
 }
@@ -175,7 +213,21 @@ void RobotBridge::publish(const Answer& answer, const AssembledScan& last_scan) 
     publisher_.publish_transform(*answer.pose, *last_scan.T_odom_base_link, options_.map_frame,
                                  odom_frame);
   }
-  report(diagnose(answer, last_scan.scan.stamp), answer.pose ? pose_text(*answer.pose) : "");
+  report_answer(answer, last_scan);
+}
+
+void RobotBridge::report_answer(const Answer& answer, const AssembledScan& last_scan) {
+  std::unique_lock lock(mutex_);
+  const std::string problem = scans_.problem();  // Of one of several lidars.
+  lock.unlock();
+  Diagnosis diagnosis = diagnose(answer, last_scan.scan.stamp);
+  if (!problem.empty()) {
+    diagnosis.level = Diagnosis::Level::kWarn;
+    diagnosis.values.emplace_back("problem", problem);
+  }
+  if (std::exchange(logged_problem_, problem) != problem && !problem.empty())
+    log_(robot_.name + ": " + problem);
+  report(diagnosis, answer.pose ? pose_text(*answer.pose) : "");
 }
 
 void RobotBridge::report_idle() {
@@ -183,7 +235,7 @@ void RobotBridge::report_idle() {
   if (is_stopping_) return;
   std::string problem = scans_.problem();
   lock.unlock();
-  if (problem.empty()) problem = "no scans on " + topic("scan");
+  if (problem.empty()) problem = "no scans on " + joined(scan_topics_);
   report({Diagnosis::Level::kError, problem, {}});
 }
 

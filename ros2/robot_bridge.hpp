@@ -43,6 +43,7 @@ class RobotBridge {
  private:
   [[nodiscard]] Result<void> subscribe(DdsNode& node);
   [[nodiscard]] std::string topic(const std::string& name) const;
+  [[nodiscard]] Result<void> subscribe_scans(DdsNode& node);
   /// Changes what messages are joined to, and wakes the thread.
   void update(const std::function<void(ScanAssembler&)>& change);
 
@@ -51,6 +52,7 @@ class RobotBridge {
   [[nodiscard]] std::vector<AssembledScan> wait_for_batch();
   void post(const std::vector<AssembledScan>& batch);
   void publish(const Answer& answer, const AssembledScan& last_scan);
+  void report_answer(const Answer& answer, const AssembledScan& last_scan);
   void report_idle();
   /// Publishes the diagnosis. When its message is a new one, it goes to the log with `detail`.
   void report(const Diagnosis& diagnosis, const std::string& detail = "");
@@ -60,11 +62,13 @@ class RobotBridge {
 
   const BridgeOptions& options_;
   RobotName robot_;
+  std::vector<std::string> scan_topics_;  ///< Full names.
   Log log_;
   SessionClient session_;
   PosePublisher publisher_;
   PoseGate gate_;
   std::string logged_;
+  std::string logged_problem_;
 
   std::mutex mutex_;  ///< Of what follows.
   std::condition_variable changed_;

@@ -30,6 +30,7 @@ milliseconds pause_after(int failures) {
 
 Json pose_json(const Pose2& pose) { return {{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}}; }
 
+/// Geometry and mount, for a session or a scan.
 Json lidar_json(const AssembledScan& scan) {
   const LaserScan& lidar = scan.scan;
   Json json = {{"angle_min", lidar.angle_min},
@@ -43,7 +44,10 @@ Json lidar_json(const AssembledScan& scan) {
 }
 
 Json scan_json(const AssembledScan& scan) {
-  Json json = {{"stamp", scan.scan.stamp}, {"ranges", scan.scan.ranges}};
+  Json json = lidar_json(scan);  // It may differ from scan to scan.
+  json["stamp"] = scan.scan.stamp;
+  json["ranges"] = scan.scan.ranges;
+  if (!scan.lidar.empty()) json["lidar"] = scan.lidar;
   if (scan.T_odom_base_link) json["odom"] = pose_json(*scan.T_odom_base_link);
   return json;
 }
@@ -53,10 +57,18 @@ std::string batch_cbor(std::uint64_t sequence, std::span<const AssembledScan> ba
   Json scans = Json::array();
   for (const AssembledScan& scan : batch) scans.push_back(scan_json(scan));
   std::string body;
-  Json::to_cbor(
-      {{"sequence", sequence}, {"lidar", lidar_json(batch.front())}, {"scans", std::move(scans)}},
-      body);
+  Json::to_cbor({{"sequence", sequence}, {"scans", std::move(scans)}}, body);
   return body;
+}
+
+Json near_json(const StartRegion& near) {
+  Json json = {{"x", near.center.x()}, {"y", near.center.y()}, {"radius_m", near.radius_m}};
+  if (!near.map.empty()) json["map"] = near.map;
+  if (near.yaw) {
+    json["yaw"] = *near.yaw;
+    json["yaw_tolerance_rad"] = near.yaw_tolerance_rad;
+  }
+  return json;
 }
 
 std::string text_member(const Json& object, const char* key) {
@@ -134,18 +146,16 @@ class SessionClient::Connection {
   std::string base_path_;
 };
 
-SessionClient::SessionClient(const ServerAddress& server, std::string robot,
-                             std::vector<std::string> maps)
+SessionClient::SessionClient(const ServerAddress& server, SessionOptions options)
     : connection_(std::make_unique<Connection>(server)),
       url_(server.url),
-      robot_(std::move(robot)),
-      maps_(std::move(maps)) {}
+      options_(std::move(options)) {}
 
 SessionClient::~SessionClient() = default;
 
 std::optional<Error> SessionClient::check() {
   std::vector<std::string> paths;
-  for (const std::string& map : maps_) paths.push_back("/v1/maps/" + map);
+  for (const std::string& map : options_.maps) paths.push_back("/v1/maps/" + map);
   if (paths.empty()) paths.emplace_back("/v1/sessions?limit=1");
   for (const std::string& path : paths) {
     const httplib::Result reply = connection_->get(path);
@@ -167,8 +177,12 @@ SessionClient::Outcome SessionClient::fail(int status, const std::string& body, 
 }
 
 std::optional<SessionClient::Outcome> SessionClient::open(const AssembledScan& first) {
-  Json body = {{"robot", robot_}, {"lidar", lidar_json(first)}};
-  if (!maps_.empty()) body["maps"] = maps_;
+  Json body = {{"robot", options_.robot}};
+  if (options_.lidars.empty()) body["lidar"] = lidar_json(first);
+  // Scans bring their own geometry, so that of a lidar which was not heard yet does not matter.
+  for (const std::string& name : options_.lidars) body["lidars"][name] = lidar_json(first);
+  if (!options_.maps.empty()) body["maps"] = options_.maps;
+  if (options_.near) body["near"] = near_json(*options_.near);
   const httplib::Result reply = connection_->post("/v1/sessions", body.dump(), "application/json");
   if (!reply) return fail_unreachable();
   const Json session = Json::parse(reply->body, nullptr, false);
@@ -177,6 +191,7 @@ std::optional<SessionClient::Outcome> SessionClient::open(const AssembledScan& f
   }
   session_ = text_member(session, "id");
   sequence_ = 0;
+  options_.near.reset();
   return std::nullopt;
 }
 

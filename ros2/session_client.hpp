@@ -16,11 +16,18 @@
 
 namespace cornerfix::ros2 {
 
+/// Whose session it is, and where the robot may be.
+struct SessionOptions {
+  std::string robot;
+  std::vector<std::string> maps;      ///< Empty for all maps of the server.
+  std::vector<std::string> lidars{};  ///< Names of several lidars; empty for one.
+  std::optional<StartRegion> near{};  ///< Of the first session: later the robot has moved.
+};
+
 /// Sends one request at a time; stop() may be called from another thread.
 class SessionClient {
  public:
-  /// \param maps  Where the robot may be; empty for all maps of the server.
-  SessionClient(const ServerAddress& server, std::string robot, std::vector<std::string> maps);
+  SessionClient(const ServerAddress& server, SessionOptions options);
   ~SessionClient();
   SessionClient(const SessionClient&) = delete;
   SessionClient& operator=(const SessionClient&) = delete;
@@ -40,7 +47,7 @@ class SessionClient {
     std::chrono::milliseconds wait{0};
   };
 
-  /// One attempt to post scans of one lidar. Opens a session where there is none, and a new one
+  /// One attempt to post scans. Opens a session where there is none, and a new one
   /// when the first scan begins a run or the old session is gone.
   [[nodiscard]] Outcome post(std::span<const AssembledScan> batch);
 
@@ -59,8 +66,7 @@ class SessionClient {
 
   std::unique_ptr<Connection> connection_;
   std::string url_;
-  std::string robot_;
-  std::vector<std::string> maps_;
+  SessionOptions options_;
   std::string session_;  ///< Empty when there is none.
   std::uint64_t sequence_ = 0;
   bool is_run_begun_ = false;  ///< The session is of the run that the batch begins.

@@ -58,12 +58,20 @@ Result<void> Remappings::add(std::string_view text) {
 std::string Remappings::resolve(const std::string& topic, const std::string& ns) const {
   const auto own = names_.find(topic);
   const auto* known = find_topic(topic);
-  std::string name(own != names_.end() ? own->second : std::string(known->second));
+  std::string name = topic;
+  if (known != nullptr) name = known->second;
+  if (own != names_.end()) name = own->second;
   if (name.starts_with('/')) return name;
   if (ns.empty() || ns == "/") return "/" + name;
   return (ns.starts_with('/') ? ns : "/" + ns) + "/" + name;
 }
 
 std::string dds_topic(const std::string& full_name) { return "rt" + full_name; }
+
+std::string lidar_name(const std::string& full_name) {
+  std::string name = full_name.substr(full_name.find_first_not_of("/_"));
+  std::ranges::replace(name, '/', '.');
+  return name;
+}
 
 }  // namespace cornerfix::ros2

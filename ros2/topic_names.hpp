@@ -20,8 +20,9 @@ class Remappings {
   /// kInvalidArgument where `text` is no FROM:=TO, FROM is none of the topics or TO is no name.
   [[nodiscard]] Result<void> add(std::string_view text);
 
-  /// The full name of a topic, of "scan", "odom", "tf", "tf_static", "initialpose" or
-  /// "diagnostics". A name that begins with '/' is full, any other one is in the namespace.
+  /// The full name of a topic: of "scan", "odom", "tf", "tf_static", "initialpose" or
+  /// "diagnostics", which may be remapped, or of any other. A name that begins with '/' is full,
+  /// any other one is in the namespace.
   [[nodiscard]] std::string resolve(const std::string& topic, const std::string& ns) const;
 
  private:
@@ -30,5 +31,9 @@ class Remappings {
 
 /// Of a topic with a full name: "/scan" is "rt/scan".
 [[nodiscard]] std::string dds_topic(const std::string& full_name);
+
+/// What the server calls the lidar of a topic with a full name: "/robot1/front/scan" is
+/// "robot1.front.scan".
+[[nodiscard]] std::string lidar_name(const std::string& full_name);
 
 }  // namespace cornerfix::ros2

@@ -22,6 +22,7 @@ namespace {
 
 constexpr const char* kEmptyObject = "{}";
 constexpr std::size_t kMaxArchiveBytes = std::size_t{256} << 20U;
+constexpr std::size_t kMaxFormBytes = std::size_t{128} << 20U;  // A pgm of the most cells.
 constexpr std::size_t kMaxFormParts = 8;
 
 /// Reads the body as it comes over the wire. Without these headers the library neither inflates,
@@ -130,7 +131,7 @@ std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t
   if (exchange.framing.kind == Framing::Kind::kNone) {
     return problem_response(411, "length_required", "A body with Content-Length is needed.");
   }
-  if (rule == BodyRule::kForm) return take_form(exchange, limit);
+  if (rule == BodyRule::kForm) return take_form(exchange, kMaxFormBytes);
   const bool is_archive = rule == BodyRule::kArchive;
   const std::string content_type = exchange.raw.get_header_value("Content-Type");
   const auto format = is_archive ? api::BodyFormat::kJson : format_of_content_type(content_type);

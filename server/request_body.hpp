@@ -32,7 +32,8 @@ struct Exchange {
 };
 
 /// Reads the body into the exchange's request, by the route's rule and `limit` bytes at most, or
-/// answers one that cannot be read. Of an archive or a form the content type is checked, too.
+/// answers one that cannot be read. Archives and forms have limits of their own, and their content
+/// type is checked, too.
 [[nodiscard]] std::optional<Response> take_body(Exchange& exchange, BodyRule rule,
                                                 std::size_t limit);
 

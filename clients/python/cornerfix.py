@@ -23,6 +23,7 @@ import http.client
 import itertools
 import json
 import math
+import numbers
 import pathlib
 import random
 import re
@@ -32,11 +33,13 @@ import uuid
 from dataclasses import asdict, dataclass, field, fields
 from typing import (
     Any,
+    Callable,
     Deque,
     Dict,
     Iterable,
     Iterator,
     List,
+    Literal,
     Mapping,
     Optional,
     Sequence,
@@ -53,8 +56,24 @@ Json = Dict[str, Any]
 PathLike = Union[str, "pathlib.PurePath"]
 Item = TypeVar("Item")
 
+Status = Literal["collecting", "ambiguous", "localized", "lost"]
+Reason = Literal[
+    "no_returns",
+    "few_features",
+    "no_motion",
+    "no_match",
+    "few_evidence",
+    "contradicted",
+    "odometry_contradicts_scans",
+    "prior_contradicted",
+    "mirrored_scans",
+    "searching",
+]
+"""docs/statuses.md describes each, and what to do."""
+
 MAX_SCANS_PER_BATCH = 100  # `max_scans` of the server's default configuration.
 CLOCK_SET_BACK_S = 2.0  # Stamps that go back further begin a new run (docs/logs.md).
+LIDAR_SILENT_S = 0.5  # A lidar that is this far behind the others is not waited for.
 _RETRIED = (408, 429, 503)
 _MAX_BACKOFF_S = 5.0
 
@@ -95,7 +114,7 @@ class Problem(CornerfixError):
 
     def _pointed(self) -> str:
         parts = [
-            f"{pointer}: {detail}" for pointer, detail in self.errors if detail not in self.detail
+            f"{pointer}: {detail}" for pointer, detail in self.errors if pointer not in self.detail
         ]
         return "".join(f"; {part}" for part in parts)
 
@@ -142,9 +161,15 @@ class Lidar:
     range_max: Optional[float]
     mount: Pose = Pose()
     """`laser` in `base_link`."""
+    roll: float = 0.0
+    """Of the mount [rad]: pi for a lidar upside down; else within 0.175 of level."""
+    pitch: float = 0.0
+    """Of the mount [rad], within 0.175."""
 
     def to_json(self) -> Json:
-        return {**self.geometry(), "mount": asdict(self.mount)}
+        tilt = {"roll": self.roll, "pitch": self.pitch}
+        mount = {**asdict(self.mount), **{name: angle for name, angle in tilt.items() if angle}}
+        return {**self.geometry(), "mount": mount}
 
     def geometry(self) -> Json:
         return {
@@ -186,12 +211,27 @@ class Scan:
     """`base_link` in `map` at the stamp: for mapping and scores, never sent by a robot."""
     time_increment: Optional[float] = None
     """From beam to beam [s], for scans of a moving lidar."""
+    lidar_name: Optional[str] = None
+    """Which of the robot's `lidars`."""
+
+    def check(self) -> None:
+        """A ValueError for a scan that cannot be sent."""
+        if not _is_finite(self.stamp):
+            raise ValueError(f"stamp: {self.stamp!r}, expected seconds")
+        if len(self.ranges) == 0:
+            raise ValueError("ranges: none, expected metres, or None for no return")
+        for name, value, kind in (("lidar", self.lidar, Lidar), ("odom", self.odom, Pose)):
+            if value is not None and not isinstance(value, kind):
+                raise ValueError(f"{name}: {value!r}, expected a {kind.__name__} or None")
 
     def to_json(self, lidar: Optional[Lidar]) -> Json:
-        """Without the pose, and without the geometry if it is that of `lidar`, of the request."""
+        """Without the pose, and without geometry and mount if they are those of `lidar`, which the
+        request or the session has."""
         body: Json = {"stamp": self.stamp, "ranges": [_range_or_none(r) for r in self.ranges]}
-        if self.lidar and (lidar is None or self.lidar.geometry() != lidar.geometry()):
-            body.update(self.lidar.geometry())
+        if self.lidar_name is not None:
+            body["lidar"] = self.lidar_name
+        if self.lidar and self.lidar != lidar:
+            body.update(self.lidar.to_json())
         if self.odom:
             body["odom"] = asdict(self.odom)
         if self.time_increment:
@@ -234,15 +274,15 @@ class Hypothesis:
 class Answer:
     """What the server answers to a batch. `pose` is None unless `status` is "localized"."""
 
-    status: str
+    status: Status
     session: Optional[str] = None
     sequence: Optional[int] = None
     pose: Optional[LocalizedPose] = None
     confidence: Optional[float] = None
     hypotheses: Sequence[Hypothesis] = ()
-    reason: Optional[str] = None
-    odometry: Optional[str] = None
-    given: Optional[str] = None
+    reason: Optional[Reason] = None
+    odometry: Optional[Literal["used", "weighted_down", "ignored"]] = None
+    given: Optional[Literal["near"]] = None
     """"near" while the search is restricted by `near`: `confidence` is conditional on it."""
     raw: Json = field(default_factory=dict, repr=False, compare=False)
 
@@ -271,7 +311,7 @@ class Session:
 
     id: str
     robot: str
-    status: str
+    status: Status
     expected: int
     """Sequence of the next batch."""
     maps: Optional[Sequence[str]] = None
@@ -308,6 +348,10 @@ def _session(body: Json) -> Session:
     session = _from_json(Session, {**body, "last_answer": last and _answer(last)})
     session.raw.update(body)
     return session
+
+
+def _is_finite(number: object) -> bool:
+    return isinstance(number, numbers.Real) and math.isfinite(number)
 
 
 def _number_or_none(number: Optional[float]) -> Optional[float]:
@@ -433,10 +477,11 @@ class Client:
     ) -> Json:
         """Makes a map from the two files of ROS map_server.
 
-        Without `image` it is the file that the yaml names. Returns revision, digest, number of features, and `warnings` about the files.
+        Without `image` it is the file that the yaml names, or one of that name beside the yaml.
+        Returns revision, digest, number of features, and `warnings` about the files.
         """
         yaml_path = pathlib.Path(yaml)
-        image_path = pathlib.Path(image) if image else yaml_path.parent / _image_of(yaml_path)
+        image_path = pathlib.Path(image) if image else _image_of(yaml_path)
         body, content_type = _multipart({"yaml": yaml_path, "image": image_path})
         return self.request("PUT", _map_path(name, "/grid"), body, content_type).json()
 
@@ -471,7 +516,7 @@ class Client:
         self, name: str, scans: Sequence[Scan], *, options: Optional[Json] = None
     ) -> Answer:
         """One question without a session."""
-        lidar = scans[0].lidar
+        lidar = scans[0].lidar if scans else None
         body = {
             "lidar": lidar and lidar.to_json(),
             "options": options,
@@ -586,11 +631,20 @@ def _session_path(session: str, rest: str = "") -> str:
     return f"/v1/sessions/{quote(session, safe='')}{rest}"
 
 
-def _image_of(yaml: pathlib.Path) -> str:
-    named = re.search(r"^image:\s*(.+?)\s*(?:#.*)?$", yaml.read_text(), re.MULTILINE)
+def _image_of(yaml: pathlib.Path) -> pathlib.Path:
+    """The path in a yaml may be one of another computer."""
+    text = yaml.read_text(encoding="utf-8-sig", errors="replace")
+    named = re.search(
+        r"""^\s*["']?image["']?\s*:\s*("[^"\n]*"|'[^'\n]*'|[^"'#\n][^\n]*?)\s*(?:\s#.*)?$""",
+        text,
+        re.MULTILINE,
+    )
     if not named:
-        raise ValueError(f"{yaml}: names no image")
-    return named.group(1).strip("\"'")
+        raise ValueError(f"{yaml}: names no image; expected a line like image: map.pgm")
+    name = named.group(1).strip("\"'")
+    there = yaml.parent / name
+    beside = yaml.parent / re.split(r"[/\\]", name)[-1]
+    return beside if not there.is_file() and beside.is_file() else there
 
 
 def _multipart(files: Mapping[str, pathlib.Path]) -> Tuple[bytes, str]:
@@ -627,6 +681,11 @@ class Robot:
     and goes with the next call. The session is made with the first scan, whose lidar it gets. It is
     continued after a restart of the server, and made anew if the server no longer has it. With
     `session`, the id of an earlier `Robot`, that one is continued.
+
+    A robot with several lidars has them in `lidars` by name, and each scan has its `lidar_name`.
+    With names alone, each scan has its `lidar` as well. Lidars may deliver in any order, each with
+    stamps of its own that increase. A scan is sent once the others have come as far, but for those
+    that are silent.
     """
 
     _MAX_CONFLICTS = 3
@@ -644,6 +703,7 @@ class Robot:
         max_waiting: int = 1000,
         session: Optional[str] = None,
         near: Optional[Near] = None,
+        lidars: Union[Mapping[str, Lidar], Sequence[str], None] = None,
         **members: Any,
     ):
         """Without `map` and `maps` the robot may be in any map. `near` is where it may be at its
@@ -657,14 +717,18 @@ class Robot:
         """Scans that were not sent: stamp not after the one before, or too many waiting."""
         self._members: Json = {"robot": name, "map": map, "maps": maps and list(maps), **members}
         self._batch = batch
-        self._waiting: Deque[Scan] = collections.deque()
+        self._lidars: Dict[str, Optional[Lidar]] = (
+            dict(lidars) if isinstance(lidars, Mapping) else dict.fromkeys(lidars or ())
+        )
+        self._waiting: Deque[Scan] = collections.deque()  # By stamp.
         self._max_waiting = max_waiting
         self._in_flight: List[Scan] = []
         self._sent: Deque[List[Scan]] = collections.deque(maxlen=self._KEPT_BATCHES)
         self._sequence = self.client.session(session).expected if session else 0
         self._lidar: Optional[Lidar] = None
         self._near = None if session else near
-        self._last_stamp: Optional[float] = None
+        self._last_stamps: Dict[Optional[str], float] = {}  # By the lidar's name.
+        self._last_taken: Optional[float] = None  # Stamp of the last scan that went into a batch.
 
     def __enter__(self) -> Robot:
         return self
@@ -674,31 +738,72 @@ class Robot:
             self.close()
 
     def add(self, scan: Scan) -> Optional[Answer]:
-        """Takes a scan. The answer, when this scan made a batch full; None otherwise."""
-        if self._last_stamp is not None and scan.stamp <= self._last_stamp:
-            if scan.stamp > self._last_stamp - CLOCK_SET_BACK_S:
-                self.dropped += 1
-                return None
-            self.reset()
-        self._last_stamp = scan.stamp
-        self._waiting.append(scan)
+        """Takes a scan. The answer, when this scan made a batch full; None otherwise. A scan that
+        cannot be sent is a ValueError, and is not taken."""
+        scan.check()
+        self._check_lidar_name(scan)
+        if not self._accept_stamp(scan):
+            self.dropped += 1
+            return None
+        self._last_stamps[scan.lidar_name] = scan.stamp
+        self._wait(scan)
         if len(self._waiting) > self._max_waiting:
             self._waiting.popleft()
             self.dropped += 1
-        return self._send(self._batch)
+        return self._send(self._batch, self._complete)
 
     def flush(self) -> Optional[Answer]:
         """Sends all that waits; the answer to the last batch, None when nothing waited."""
-        return self._send(1)
+        return self._send(1, lambda: len(self._waiting))
 
-    def _send(self, least: int) -> Optional[Answer]:
-        """Sends batches until fewer than `least` scans wait."""
+    def state(self) -> Optional[Session]:
+        """The session as the server has it, with `stale` and `superseded_by`; None before the first
+        batch."""
+        return self.client.session(self.session) if self.session else None
+
+    def _check_lidar_name(self, scan: Scan) -> None:
+        name = scan.lidar_name
+        if name is not None and not self._lidars:
+            raise ValueError(f"lidar_name: {name!r}, but the robot has no `lidars`")
+        if self._lidars and name not in self._lidars:
+            raise ValueError(f"lidar_name: {name!r}, expected one of {', '.join(self._lidars)}")
+        if name is not None and scan.lidar is None and self._lidars[name] is None:
+            raise ValueError(f"lidar: is needed, since the robot has no geometry of {name!r}")
+
+    def _accept_stamp(self, scan: Scan) -> bool:
+        """Resets the session when the clock was set back."""
+        last = self._last_stamps.get(scan.lidar_name)
+        if last is not None and scan.stamp <= last - CLOCK_SET_BACK_S:
+            self.reset()
+            return True
+        if last is not None and scan.stamp <= last:
+            return False
+        return self._last_taken is None or scan.stamp >= self._last_taken
+
+    def _wait(self, scan: Scan) -> None:
+        place = len(self._waiting)
+        while place > 0 and self._waiting[place - 1].stamp > scan.stamp:
+            place -= 1
+        self._waiting.insert(place, scan)
+
+    def _complete(self) -> int:
+        """How many waiting scans no other lidar can come before."""
+        newest = max(self._last_stamps.values(), default=0.0)
+        until = min(
+            (stamp for stamp in self._last_stamps.values() if stamp >= newest - LIDAR_SILENT_S),
+            default=0.0,
+        )
+        return sum(scan.stamp <= until for scan in self._waiting)
+
+    def _send(self, least: int, complete: Callable[[], int]) -> Optional[Answer]:
+        """Sends batches until fewer than `least` of the `complete` scans wait."""
         answer: Optional[Answer] = None
         conflicts = 0
-        while self._in_flight or len(self._waiting) >= least:
+        while self._in_flight or complete() >= least:
             if not self._in_flight:
-                count = min(len(self._waiting), max(self._batch, MAX_SCANS_PER_BATCH // 2))
+                count = min(complete(), max(self._batch, MAX_SCANS_PER_BATCH // 2))
                 self._in_flight = [self._waiting.popleft() for _ in range(count)]
+                self._last_taken = self._in_flight[-1].stamp
             try:
                 answer = self._post()
             except Problem as problem:
@@ -730,7 +835,8 @@ class Robot:
         self._waiting.clear()
         self._in_flight = []
         self._sent.clear()
-        self._last_stamp = None
+        self._last_stamps.clear()
+        self._last_taken = None
         self.answer = None
 
     def close(self) -> None:
@@ -744,14 +850,26 @@ class Robot:
     def _post(self) -> Answer:
         if self.session is None:
             self._create_session(self._in_flight[0].lidar)
-        scans = [scan.to_json(self._lidar) for scan in self._in_flight]
+        try:
+            scans = [scan.to_json(self._known_lidar(scan)) for scan in self._in_flight]
+        except (TypeError, ValueError):  # A range that is no number.
+            self._in_flight = []
+            raise
         assert self.session is not None
         return self.client.post_scans(self.session, self._sequence, scans)
 
+    def _known_lidar(self, scan: Scan) -> Optional[Lidar]:
+        """The session's own, which a scan need not repeat."""
+        return self._lidar if scan.lidar_name is None else self._lidars[scan.lidar_name]
+
     def _create_session(self, lidar: Optional[Lidar]) -> None:
+        # A lidar that is known by name gets some geometry: its scans bring their own.
+        named = {name: (each or lidar) for name, each in self._lidars.items()}
+        lidar = None if named else lidar
         members = {
             **self._members,
             "lidar": lidar and lidar.to_json(),
+            "lidars": {name: each.to_json() for name, each in named.items() if each} or None,
             "near": self._near and self._near.to_json(),
         }
         self.session = self.client.create_session(members).id
@@ -798,7 +916,7 @@ def read_log(path: PathLike) -> Iterator[Scan]:
         numbered = enumerate(_whole_lines(lines), start=1)
         first = next(((number, line) for number, line in numbered if line.strip()), None)
         if first is None:
-            raise LogError(f"{path}: empty")
+            raise LogError(f"{path}: holds no whole line")
         every = itertools.chain([first], numbered)
         yield from (_json_lines if first[1].lstrip().startswith("{") else _carmen)(every, path)
 
@@ -829,8 +947,10 @@ def _json_lines(lines: Iterable[Tuple[int, str]], path: PathLike) -> Iterator[Sc
                 lidar = _lidar_of(header)
             else:
                 yield _json_scan(members, header, lidar)
-        except (KeyError, TypeError, ValueError) as error:
-            raise LogError(f"{path}, line {number}: {type(error).__name__} {error}") from error
+        except KeyError as error:
+            raise LogError(f"{path}, line {number}: {error.args[0]}: missing") from error
+        except (AttributeError, TypeError, ValueError) as error:
+            raise LogError(f"{path}, line {number}: {error}") from error
 
 
 def _lidar_of(members: Json) -> Lidar:
@@ -859,6 +979,8 @@ def _json_scan(members: Json, header: Json, lidar: Lidar) -> Scan:
 def _pose_or_none(values: Optional[Sequence[float]]) -> Optional[Pose]:
     if values is None:
         return None
+    if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
+        raise ValueError(f"{values!r}, expected [x, y, yaw] or null")
     x, y, yaw = values
     return Pose(float(x), float(y), wrap_angle(yaw))
 

@@ -16,11 +16,13 @@ from dataclasses import dataclass
 from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Tuple, TypeVar
 
 from cornerfix import (
+    CLOCK_SET_BACK_S,
     Answer,
     Client,
     CornerfixError,
     Lidar,
     LocalizedPose,
+    Near,
     Pose,
     Robot,
     Scan,
@@ -28,6 +30,7 @@ from cornerfix import (
 )
 
 MAX_TILT_RAD = math.radians(25.0)  # As for bags (docs/logs.md).
+MAX_NORM_ERROR = 0.1  # Of a unit quaternion, as over HTTP.
 ODOMETRY_KEPT_S = 10.0
 MAX_ODOMETRY_WAIT_S = 0.5
 MAX_WAITING_SCANS = 500
@@ -40,8 +43,11 @@ Result = TypeVar("Result")
 
 
 def yaw_of(q: Quaternion) -> float:
-    """Heading of the x axis of a frame turned by the quaternion x, y, z, w."""
+    """Heading of the x axis of a frame turned by the quaternion x, y, z, w. One that is not of unit
+    length, such as that of a message which was not filled in, is a ValueError."""
     x, y, z, w = q
+    if not abs(math.sqrt(x * x + y * y + z * z + w * w) - 1.0) <= MAX_NORM_ERROR:
+        raise ValueError(f"orientation {q}: expected a unit quaternion x, y, z, w")
     return math.atan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
 
 
@@ -154,9 +160,12 @@ class ScanQueue:
         return self._ready()
 
     def add_scan(self, scan: Scan) -> List[Scan]:
-        if self._scans and scan.stamp < self._scans[-1].stamp:
-            self._scans.clear()  # The clock was set back.
-        self._scans.append(scan)
+        if self._scans and scan.stamp < self._scans[-1].stamp - CLOCK_SET_BACK_S:
+            self._scans.clear()
+        place = len(self._scans)
+        while place > 0 and self._scans[place - 1].stamp > scan.stamp:
+            place -= 1
+        self._scans.insert(place, scan)  # By stamp, since several lidars deliver in any order.
         return self._ready()
 
     def _ready(self) -> List[Scan]:
@@ -255,11 +264,44 @@ class Settings:
     batch: int = 5
     require_confirmed: bool = False
     """Publish the pose once 3 m of new ground agree with it."""
+    scans: str = "scan"
+    """Topics of the lidars, separated by blanks."""
     use_odom: bool = True
     base_frame: str = "base_link"
     map_frame: str = "map"
+    near_x: float = 0.0
+    near_y: float = 0.0
+    near_radius_m: float = 0.0
+    """Where the robot is switched on; 0: anywhere."""
+    near_yaw: float = 0.0
+    near_yaw_tolerance_rad: float = 0.0
+    """0: any heading."""
     retry_s: float = 5.0
     """A failure is reported after this time; scans are kept and sent later."""
+
+    @property
+    def topics(self) -> List[str]:
+        return self.scans.split()
+
+    @property
+    def lidar_names(self) -> Dict[str, Optional[str]]:
+        """By topic, as the server has them; None for the only one."""
+        if len(self.topics) == 1:
+            return {self.topics[0]: None}
+        return {topic: topic.strip("/_").replace("/", ".") for topic in self.topics}
+
+    @property
+    def near(self) -> Optional[Near]:
+        if not self.near_radius_m:
+            return None
+        has_heading = self.near_yaw_tolerance_rad != 0.0
+        return Near(
+            self.near_x,
+            self.near_y,
+            self.near_radius_m,
+            yaw=self.near_yaw if has_heading else None,
+            yaw_tolerance_rad=self.near_yaw_tolerance_rad if has_heading else None,
+        )
 
     @staticmethod
     def read(get: Callable[[str, Any], Any]) -> Settings:
@@ -271,10 +313,13 @@ class Settings:
                 value = float(value)
             if type(value) is not type(each.default):
                 raise ValueError(
-                    f"parameter {each.name}: {value!r}, expected " f"{type(each.default).__name__}"
+                    f"parameter {each.name}: {value!r}, expected {type(each.default).__name__}"
                 )
             values[each.name] = value
-        return Settings(**values)
+        settings = Settings(**values)
+        if not settings.topics:
+            raise ValueError("parameter scans: empty, expected one topic or more")
+        return settings
 
 
 class Bridge:
@@ -296,7 +341,7 @@ class Bridge:
         self._lock = threading.Lock()  # Of the queue.
         self._queue = ScanQueue()
         self._scans: Deque[Scan] = collections.deque(maxlen=MAX_WAITING_SCANS)
-        self._robot = self._make_robot(settings.map)
+        self._robot = self._make_robot(settings.map, settings.near)
         self._worker = concurrent.futures.ThreadPoolExecutor(max_workers=1)
 
     def add_odometry(self, stamp: float, pose: Pose) -> None:
@@ -349,16 +394,23 @@ class Bridge:
     def _change_map(self, name: str) -> None:
         if name:
             self._robot.client.map(name)
-        old, self._robot = self._robot, self._make_robot(name)
+        old, self._robot = self._robot, self._make_robot(name, None)
         _end(old)
 
-    def _make_robot(self, map_name: str) -> Robot:
+    def _make_robot(self, map_name: str, near: Optional[Near]) -> Robot:
         client = Client(
             self._settings.server,
             token=self._settings.token or None,
             give_up_after_s=self._settings.retry_s,
         )
-        return Robot(client, self._settings.robot, map=map_name or None, batch=self._settings.batch)
+        return Robot(
+            client,
+            self._settings.robot,
+            map=map_name or None,
+            batch=self._settings.batch,
+            near=near,
+            lidars=[name for name in self._settings.lidar_names.values() if name] or None,
+        )
 
 
 def _end(robot: Robot) -> None:

@@ -4,6 +4,7 @@
 Documented source: Debian has no rclpy, so the tests run the shared module cornerfix_ros.py only.
 README.md beside this file lists topics, services and parameters.
 """
+import functools
 import math
 
 import rclpy
@@ -58,19 +59,23 @@ class CornerfixNode(Node):
         self.create_service(Trigger, "~/reset", self._reset, callback_group=services)
         self.create_service(LoadMap, "~/change_map", self._change_map, callback_group=services)
         self.create_subscription(Odometry, "odom", self._take_odometry, qos_profile_sensor_data)
-        self.create_subscription(LaserScan, "scan", self._take_scan, qos_profile_sensor_data)
+        for topic, name in self._settings.lidar_names.items():
+            take_scan = functools.partial(self._take_scan, name)
+            self.create_subscription(LaserScan, topic, take_scan, qos_profile_sensor_data)
 
     def close(self):
         self._bridge.close()
 
     def _take_odometry(self, message):
         position, q = message.pose.pose.position, message.pose.pose.orientation
-        self._bridge.add_odometry(
-            seconds(message.header.stamp),
-            Pose(position.x, position.y, yaw_of((q.x, q.y, q.z, q.w))),
-        )
+        try:
+            pose = Pose(position.x, position.y, yaw_of((q.x, q.y, q.z, q.w)))
+        except ValueError as error:
+            self._publish_failure(ValueError(f"odometry: {error}"))
+            return
+        self._bridge.add_odometry(seconds(message.header.stamp), pose)
 
-    def _take_scan(self, message):
+    def _take_scan(self, lidar_name, message):
         try:
             mount = self._mount(message.header.frame_id)
         except (tf2_ros.TransformException, ValueError) as error:
@@ -85,6 +90,7 @@ class CornerfixNode(Node):
                 message.ranges,
                 lidar,
                 time_increment=message.time_increment,
+                lidar_name=lidar_name,
             )
         )
 

@@ -66,6 +66,13 @@ TEST_F(GridApiTest, MakesAMapAndReplacesIt) {
   EXPECT_EQ(same.json()["revision"], 1);
 }
 
+TEST_F(GridApiTest, TakesImagesThatAreLargerThanOtherBodiesMayBe) {
+  const std::size_t more = server::ServerConfig{}.max_body_bytes;
+  const std::string behind_its_end(more, '\0');
+  const Reply created = put_grid("plan", form(room_.yaml, room_.image + behind_its_end));
+  EXPECT_EQ(created.status, 201) << created.body;
+}
+
 TEST_F(GridApiTest, ARobotFindsItselfInIt) {
   ASSERT_EQ(put_grid("plan", form(room_.yaml, room_.image)).status, 201);
   const auto drive = testing::robot_drive();

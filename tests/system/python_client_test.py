@@ -2,6 +2,7 @@
 """The Python client against a stub that misbehaves, and against the real server."""
 import argparse
 import ast
+import dataclasses
 import email.utils
 import gzip
 import http.server
@@ -136,6 +137,19 @@ def scan(stamp):
     return Scan(stamp, [1.0, None, float("nan"), float("inf"), 2.00004], LIDAR)
 
 
+def half_of(lidar, yaw):
+    """A lidar of the middle half of the beams, turned by `yaw`."""
+    return dataclasses.replace(lidar, angle_min=lidar.angle_min / 2.0, mount=Pose(0, 0, yaw))
+
+
+def halves(whole):
+    """A scan of a full turn, as two lidars take it that stand back to back."""
+    quarter = len(whole.ranges) // 4
+    rear = whole.ranges[-quarter:] + whole.ranges[:quarter]
+    for name, ranges in (("rear", rear), ("front", whole.ranges[quarter:-quarter])):
+        yield Scan(whole.stamp, ranges, None, whole.odom, lidar_name=name)
+
+
 class RetryTest(unittest.TestCase):
     def test_waits_as_long_as_retry_after_asks_for(self):
         for status, code in ((503, "busy"), (429, "too_many_sessions")):
@@ -202,6 +216,13 @@ class ErrorTest(unittest.TestCase):
         ):
             Client(stub.url).map("a")
 
+    def test_names_the_member_that_a_detail_leaves_out(self):
+        errors = [{"pointer": "/yaml/negate", "detail": "expected 0 or 1"}]
+        reply = problem(422, "invalid_argument", errors=errors)
+        reply[2]["detail"] = "expected 0 or 1"
+        with Stub(reply) as stub, self.assertRaisesRegex(Problem, "/yaml/negate: expected 0 or 1"):
+            Client(stub.url).map("a")
+
     def test_refuses_an_url_without_a_host(self):
         with self.assertRaisesRegex(ValueError, "expected http://HOST:PORT"):
             Client("robot:8080")
@@ -254,6 +275,98 @@ class SequenceTest(unittest.TestCase):
             robot.add(scan(1.0))
             robot.add(scan(2.0))
             self.assertEqual((robot.session, self.sent(stub)[-1]), ("t", (0, [2.0])))
+
+    def test_does_not_take_a_scan_that_cannot_be_sent(self):
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=1)
+            for wrong, message in (
+                (Scan(math.nan, [1.0], LIDAR), "stamp: nan, expected seconds"),
+                (Scan(1.0, [], LIDAR), "ranges: none"),
+                (Scan(1.0, [1.0], LIDAR, odom=(1, 2, 3)), "expected a Pose or None"),
+                (Scan(1.0, [1.0], {"angle_min": 1.0}), "expected a Lidar or None"),
+            ):
+                with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                    robot.add(wrong)
+            self.assertIsNotNone(robot.add(scan(1.0)))
+            self.assertEqual(self.sent(stub), [(0, [1.0])])
+
+    def test_drops_a_batch_with_a_range_that_is_no_number(self):
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=1)
+            with self.assertRaises(TypeError):
+                robot.add(Scan(1.0, ["far"], LIDAR))
+            self.assertIsNotNone(robot.add(scan(2.0)))
+            self.assertEqual(self.sent(stub), [(0, [2.0])])
+
+    def test_sends_the_geometry_and_mount_of_another_lidar(self):
+        other = dataclasses.replace(LIDAR, mount=Pose(0.2, 0.0, 0.0), roll=math.pi)
+        with Stub(self.CREATED, self.TAKEN, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=1)
+            robot.add(scan(1.0))
+            robot.add(dataclasses.replace(scan(2.0), lidar=other))
+            sent = stub.bodies()[-1]["scans"][0]
+        self.assertEqual(sent["mount"], {"x": 0.2, "y": 0.0, "yaw": 0.0, "roll": math.pi})
+        self.assertEqual(sent["angle_increment"], LIDAR.angle_increment)
+
+    def lidar_scan(self, name, stamp, lidar=None):
+        return Scan(stamp, [1.0, 2.0], lidar, lidar_name=name)
+
+    def sent_lidars(self, stub):
+        return [
+            [(each["lidar"], each["stamp"]) for each in body["scans"]]
+            for body in stub.bodies()
+            if "sequence" in body
+        ]
+
+    def test_sends_scans_of_several_lidars_in_the_order_of_their_stamps(self):
+        lidars = {"front": LIDAR, "rear": dataclasses.replace(LIDAR, mount=Pose(0, 0, 3.0))}
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=3, lidars=lidars)
+            for name, stamp in (("front", 1.0), ("rear", 1.05), ("rear", 1.15)):
+                robot.add(self.lidar_scan(name, stamp))
+            self.assertEqual(self.sent_lidars(stub), [], "the front lidar is not as far")
+            robot.add(self.lidar_scan("front", 1.1))
+            self.assertEqual(
+                self.sent_lidars(stub), [[("front", 1.0), ("rear", 1.05), ("front", 1.1)]]
+            )
+            session, batch = stub.bodies()
+        self.assertEqual(session["lidars"]["rear"]["mount"], {"x": 0, "y": 0, "yaw": 3.0})
+        self.assertNotIn("lidar", session)
+        self.assertNotIn("mount", batch["scans"][0], "the session has it")
+
+    def test_does_not_wait_for_a_lidar_that_is_silent(self):
+        with Stub(self.CREATED, *[self.TAKEN] * 3) as stub:
+            robot = Robot(stub.url, "r", batch=1, lidars={"front": LIDAR, "rear": LIDAR})
+            robot.add(self.lidar_scan("rear", 0.9))
+            robot.add(self.lidar_scan("front", 1.0))
+            self.assertEqual(self.sent_lidars(stub), [[("rear", 0.9)]])
+            robot.add(self.lidar_scan("front", 1.5))
+            self.assertEqual(self.sent_lidars(stub)[-1], [("front", 1.0), ("front", 1.5)])
+            robot.add(self.lidar_scan("rear", 1.4))
+            self.assertEqual(robot.dropped, 1, "it is earlier than what was sent")
+
+    def test_lidars_known_by_name_bring_their_geometry(self):
+        rear = dataclasses.replace(LIDAR, angle_min=-2.0, mount=Pose(0, 0, 3.0))
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            robot = Robot(stub.url, "r", batch=2, lidars=["front", "rear"])
+            robot.add(self.lidar_scan("rear", 1.0, rear))
+            robot.add(self.lidar_scan("front", 1.0, LIDAR))
+            session, batch = stub.bodies()
+        self.assertEqual(set(session["lidars"]), {"front", "rear"})
+        self.assertEqual([each["angle_min"] for each in batch["scans"]], [-2.0, LIDAR.angle_min])
+        self.assertEqual([each["mount"]["yaw"] for each in batch["scans"]], [3.0, 0.0])
+
+    def test_names_a_lidar_that_is_not_the_robots(self):
+        robot = Robot("http://127.0.0.1:1", "r", lidars=["front", "rear"])
+        for wrong, message in (
+            (self.lidar_scan("top", 1.0), "'top', expected one of front, rear"),
+            (self.lidar_scan(None, 1.0), "None, expected one of front, rear"),
+            (self.lidar_scan("rear", 1.0), "no geometry of 'rear'"),
+        ):
+            with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                robot.add(wrong)
+        with self.assertRaisesRegex(ValueError, "the robot has no `lidars`"):
+            Robot("http://127.0.0.1:1", "r").add(self.lidar_scan("rear", 1.0))
 
     def test_sends_where_the_robot_may_be_with_the_first_session_only(self):
         gone = problem(404, "not_found")
@@ -323,7 +436,9 @@ class LogTest(unittest.TestCase):
         for line, what in (
             ('{"t": 1, "ranges": [1]}', "1 values, expected 2"),
             ('{"t": 1', "line 2"),
-            ('{"ranges": [1, 2]}', "KeyError 't'"),
+            ("[1, 2]", "line 2: "),
+            ('{"t": 1, "ranges": [1, 2], "odom": [1, 2]}', r"\[1, 2\], expected \[x, y, yaw\]"),
+            ('{"ranges": [1, 2]}', "line 2: t: missing"),
         ):
             with self.subTest(line), self.assertRaisesRegex(LogError, what):
                 self.read(json.dumps(self.HEADER), line)
@@ -339,8 +454,37 @@ class LogTest(unittest.TestCase):
     def test_refuses_a_file_that_is_no_log(self):
         with self.assertRaisesRegex(LogError, "neither JSON lines nor a CARMEN log"):
             self.read("hello")
-        with self.assertRaisesRegex(LogError, "empty"):
+        with self.assertRaisesRegex(LogError, "holds no whole line"):
             self.read()
+
+
+class MapImageTest(unittest.TestCase):
+    def image_of(self, line, *files):
+        with tempfile.TemporaryDirectory() as directory:
+            path = pathlib.Path(directory)
+            (path / "map.yaml").write_bytes(line.encode("latin-1") + b"\r\nresolution: 0.05\r\n")
+            for file in files:
+                (path / file).touch()
+            return cornerfix._image_of(path / "map.yaml").relative_to(path)
+
+    def test_is_read_as_yamls_are_written(self):
+        for line, image in (
+            ("image: map.pgm", "map.pgm"),
+            ("# caf\xe9\nimage: 'second floor.pgm'  # new", "second floor.pgm"),
+            ("image: second floor.pgm # new", "second floor.pgm"),
+            ('"image":   "a#b.png"', "a#b.png"),
+        ):
+            with self.subTest(line):
+                self.assertEqual(str(self.image_of(line, image)), image)
+
+    def test_lies_beside_the_yaml_of_another_computer(self):
+        for line in ("image: /home/someone/maps/map.pgm", "image: C:\\maps\\map.pgm"):
+            with self.subTest(line):
+                self.assertEqual(str(self.image_of(line, "map.pgm")), "map.pgm")
+
+    def test_is_asked_for_where_none_is_named(self):
+        with self.assertRaisesRegex(ValueError, "names no image; expected a line like"):
+            self.image_of("origin: [0, 0, 0]")
 
 
 class RealServerTest(unittest.TestCase):
@@ -466,6 +610,50 @@ class RealServerTest(unittest.TestCase):
         self.assertLess(math.hypot(error.x, error.y), 0.1)
         self.assertLess(abs(error.yaw), math.radians(1))
         self.assertEqual(self.client.sessions(), [])
+
+    def test_two_lidars_do_as_one_of_a_full_turn(self):
+        self.put_willow()
+        log = self.directory / "full_turn.jsonl.gz"
+        record_run(
+            self.cornerfix,
+            log,
+            *("--fov", "360", "--beams", "360", "--range-max", "12"),
+            *("--seed", "2", "--length", "3"),
+        )
+        scans = list(read_log(log))
+        lidars = {"front": half_of(scans[0].lidar, 0.0), "rear": half_of(scans[0].lidar, math.pi)}
+        robot = Robot(self.server.url, "robot-7", map="willow", lidars=lidars)
+        for whole in scans:
+            for half in halves(whole):
+                answer = robot.add(half) or robot.answer
+        self.assertEqual(robot.dropped, 0)
+        truth = next(each.pose for each in scans if each.stamp == answer.pose.stamp)
+        error = answer.pose.as_pose().inverse() * truth
+        self.assertLess(math.hypot(error.x, error.y), 0.1)
+        self.assertLess(abs(error.yaw), math.radians(1))
+
+    def test_a_robot_that_is_switched_on_near_a_place_is_searched_there(self):
+        self.put_willow()
+        truth = self.scans[0].pose
+        here = Near(truth.x + 1.0, truth.y, 2.0, yaw=truth.yaw, yaw_tolerance_rad=0.5)
+        with Robot(self.server.url, "robot-7", map="willow", near=here) as robot:
+            answer = self.drive(robot, self.scans)[-1]
+        self.assertEqual((answer.status, answer.given), ("localized", "near"))
+        with Robot(self.server.url, "robot-7", map="willow") as robot:
+            robot.add(self.scans[0])
+            robot.reset(near=Near(truth.x + 20.0, truth.y, 2.0))
+            answer = self.drive(robot, self.scans)[-1]
+        self.assertEqual((answer.status, answer.reason), ("collecting", "prior_contradicted"))
+
+    def test_an_older_session_of_a_robot_is_superseded(self):
+        self.put_willow()
+        older, newer = (Robot(self.server.url, "robot-7", map="willow") for _ in range(2))
+        self.assertIsNone(older.state())
+        self.drive(older, self.scans[:5])
+        self.assertIsNone(older.state().superseded_by)
+        self.drive(newer, self.scans[:5])
+        self.assertEqual(older.state().superseded_by, newer.session)
+        self.assertEqual((newer.state().superseded_by, newer.state().stale), (None, False))
 
     def test_goes_on_after_the_server_was_killed(self):
         self.put_willow()

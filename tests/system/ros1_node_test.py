@@ -4,6 +4,7 @@
 Exits with 77 where ROS is missing, unless CORNERFIX_REQUIRE_TOOLS is set.
 """
 import argparse
+import copy
 import math
 import os
 import pathlib
@@ -45,6 +46,7 @@ from play_log import mount_message, odometry_message, scan_message  # noqa: E402
 
 NODE = SOURCE / "clients" / "ros1" / "scripts" / "cornerfix_node.py"
 MOUNT = Pose(0.25, -0.1, 0.5)  # `laser` in `base_link`.
+RIGHT_TURN = -0.5  # Of `laser_right` in `laser` [rad].
 BATCH = 5
 WAIT_S = 60  # For a message that is sure to come.
 
@@ -69,9 +71,16 @@ class Node:
             ),
         ]
         self._scans = rospy.Publisher(f"/{namespace}/scan", LaserScan, queue_size=100)
+        self._right_scans = None  # Of the second of two lidars.
+        publishers = [self._scans]
+        if "scans" in parameters:
+            self._right_scans = rospy.Publisher(
+                f"/{namespace}/right/scan", LaserScan, queue_size=100
+            )
+            publishers.append(self._right_scans)
         self._odometry = rospy.Publisher(f"/{namespace}/odom", Odometry, queue_size=100)
         self._process = subprocess.Popen([sys.executable, NODE, f"__ns:={namespace}"])
-        for topic in (self._scans, self._odometry, self._subscribers[1]):
+        for topic in (*publishers, self._odometry, self._subscribers[1]):
             self._wait_for_connection(topic)
 
     def _take_diagnosis(self, message):
@@ -94,6 +103,10 @@ class Node:
             self._odometry.publish(odometry_message(scan.odom * MOUNT.inverse(), stamp))
             message = scan_message(scan, stamp)
             message.header.frame_id = frame
+            if self._right_scans:
+                self._right_scans.publish(right_half(message))
+                message.ranges = message.ranges[len(message.ranges) // 2 :]
+                message.angle_min = 0.0
             self._scans.publish(message)
         return self.diagnoses.get(timeout=WAIT_S)
 
@@ -119,6 +132,15 @@ class Node:
         for topic in (*self._subscribers, self._scans, self._odometry):
             topic.unregister()
         return code
+
+
+def right_half(message):
+    """As a lidar takes it that is turned by RIGHT_TURN."""
+    right = copy.deepcopy(message)
+    right.header.frame_id = "laser_right"
+    right.angle_min -= RIGHT_TURN
+    right.ranges = message.ranges[: len(message.ranges) // 2]
+    return right
 
 
 def base_pose(scan):
@@ -150,6 +172,7 @@ class Ros1NodeTest(unittest.TestCase):
         cls.transforms.sendTransform(
             [
                 cls.mount("laser", quaternion_of(MOUNT.yaw)),
+                cls.mount("laser_right", quaternion_of(MOUNT.yaw + RIGHT_TURN)),
                 cls.mount(
                     "laser_upside_down",
                     (math.cos(MOUNT.yaw / 2), math.sin(MOUNT.yaw / 2), 0.0, 0.0),
@@ -204,6 +227,22 @@ class Ros1NodeTest(unittest.TestCase):
         node = self.start("hanging", map="willow")
         _, scan, _ = node.drive_until_localized(self.scans, "laser_upside_down")
         self.assert_published_once_at(node, scan)
+
+    def test_joins_the_scans_of_two_lidars(self):
+        node = self.start("two", map="willow", scans="scan right/scan", batch=2 * BATCH)
+        _, scan, _ = node.drive_until_localized(self.scans)
+        self.assert_published_once_at(node, scan)
+        (session,) = (each for each in self.client.sessions() if each.robot == "two")
+        self.assertEqual(set(session.raw["lidars"]), {"scan", "right.scan"})
+
+    def test_is_searched_where_it_is_switched_on(self):
+        dock = base_pose(self.scans[0])
+        near = {"near_x": dock.x, "near_y": dock.y, "near_radius_m": 2}
+        node = self.start("docked", map="willow", **near)
+        _, scan, _ = node.drive_until_localized(self.scans)
+        self.assert_published_once_at(node, scan)
+        (session,) = (each for each in self.client.sessions() if each.robot == "docked")
+        self.assertEqual(session.last_answer.given, "near")
 
     def turn_back(self):
         for scan in self.scans:

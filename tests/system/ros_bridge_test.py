@@ -15,6 +15,7 @@ from cornerfix import (
     Answer,
     Client,
     LocalizedPose,
+    Near,
     Pose,
     Problem,
     Scan,
@@ -47,6 +48,12 @@ class GeometryTest(unittest.TestCase):
     def test_yaw_and_quaternion_are_inverse(self):
         for yaw in (-3.0, -0.5, 0.0, 1.0, 3.1):
             self.assertAlmostEqual(yaw_of(quaternion_of(yaw)), yaw)
+
+    def test_refuses_a_quaternion_that_was_not_filled_in(self):
+        for wrong in ((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 2.0), (math.nan, 0.0, 0.0, 1.0)):
+            with self.subTest(wrong), self.assertRaisesRegex(ValueError, "a unit quaternion"):
+                yaw_of(wrong)
+        self.assertAlmostEqual(yaw_of((0.0, 0.0, 0.0, 0.99)), 0.0)
 
     def test_a_level_laser_keeps_its_angles(self):
         mount = Mount.of(0.2, -0.1, quaternion_of(1.0))
@@ -104,6 +111,20 @@ class OdometryTest(unittest.TestCase):
         self.assertEqual(scans.add_scan(Scan(1.25, [1.0])), [])
         self.assertEqual(self.stamps(scans.add_odometry(1.5, Pose(2, 0, 0))), [(1.25, 1.5)])
 
+    def test_scans_of_several_lidars_are_in_the_order_of_their_stamps(self):
+        scans = ScanQueue()
+        scans.add_odometry(1.0, Pose(1, 0, 0))
+        scans.add_scan(Scan(1.2, [1.0], lidar_name="front"))
+        scans.add_scan(Scan(1.1, [1.0], lidar_name="rear"))
+        ready = scans.add_odometry(1.3, Pose(1, 0, 0))
+        self.assertEqual([each.lidar_name for each in ready], ["rear", "front"])
+
+    def test_forgets_scans_that_wait_when_the_clock_was_set_back(self):
+        scans = ScanQueue()
+        scans.add_odometry(10.0, Pose())
+        self.assertEqual(scans.add_scan(Scan(10.1, [1.0])), [])
+        self.assertEqual(self.stamps(scans.add_scan(Scan(1.0, [1.0]))), [(1.0, None)])
+
     def test_scans_do_not_wait_for_ever(self):
         scans = ScanQueue()
         scans.add_odometry(1.0, Pose())
@@ -153,6 +174,23 @@ class SettingsTest(unittest.TestCase):
         given = {"map": "willow", "retry_s": 2}
         settings = Settings.read(lambda name, default: given.get(name, default))
         self.assertEqual(settings, Settings(map="willow", retry_s=2.0))
+
+    def test_name_the_lidars_of_several_topics(self):
+        self.assertEqual(Settings().lidar_names, {"scan": None})
+        self.assertEqual(
+            Settings(scans="front/scan  /rear/scan").lidar_names,
+            {"front/scan": "front.scan", "/rear/scan": "rear.scan"},
+        )
+        with self.assertRaisesRegex(ValueError, "parameter scans: empty"):
+            Settings.read(lambda name, default: " " if name == "scans" else default)
+
+    def test_say_where_the_robot_is_switched_on(self):
+        self.assertIsNone(Settings(near_x=1.0).near)
+        self.assertEqual(Settings(near_x=1.0, near_radius_m=3.0).near, Near(1.0, 0.0, 3.0))
+        self.assertEqual(
+            Settings(near_radius_m=3.0, near_yaw=0.5, near_yaw_tolerance_rad=0.2).near,
+            Near(0.0, 0.0, 3.0, yaw=0.5, yaw_tolerance_rad=0.2),
+        )
 
     def test_name_what_is_wrong(self):
         with self.assertRaisesRegex(ValueError, "parameter batch: '5', expected int"):

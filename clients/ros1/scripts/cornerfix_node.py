@@ -3,6 +3,7 @@
 
 README.md beside this file's folder lists topics, services and parameters.
 """
+import functools
 import math
 
 import rospy
@@ -45,17 +46,21 @@ class CornerfixNode:
         rospy.Service("~reset", Trigger, self._reset)
         rospy.Service("~change_map", LoadMap, self._change_map)
         rospy.Subscriber("odom", Odometry, self._take_odometry, queue_size=100)
-        rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=100)
+        for topic, name in self._settings.lidar_names.items():
+            take_scan = functools.partial(self._take_scan, name)
+            rospy.Subscriber(topic, LaserScan, take_scan, queue_size=100)
         rospy.on_shutdown(self._bridge.close)
 
     def _take_odometry(self, message):
         position, q = message.pose.pose.position, message.pose.pose.orientation
-        self._bridge.add_odometry(
-            message.header.stamp.to_sec(),
-            Pose(position.x, position.y, yaw_of((q.x, q.y, q.z, q.w))),
-        )
+        try:
+            pose = Pose(position.x, position.y, yaw_of((q.x, q.y, q.z, q.w)))
+        except ValueError as error:
+            self._publish_failure(ValueError(f"odometry: {error}"))
+            return
+        self._bridge.add_odometry(message.header.stamp.to_sec(), pose)
 
-    def _take_scan(self, message):
+    def _take_scan(self, lidar_name, message):
         try:
             mount = self._mount(message.header.frame_id)
         except (tf2_ros.TransformException, ValueError) as error:
@@ -70,6 +75,7 @@ class CornerfixNode:
                 message.ranges,
                 lidar,
                 time_increment=message.time_increment,
+                lidar_name=lidar_name,
             )
         )
 

@@ -132,10 +132,13 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
                  "resolution"};
   }
   if (!has_cell(floor_map, Cell::kFree)) {
-    return Error{ErrorCode::kInvalidArgument, "the floor map has no free cell", "image"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "the floor map has no free cell: check free_thresh, negate and mode", "image"};
   }
   if (!has_cell(floor_map, Cell::kOccupied)) {
-    return Error{ErrorCode::kInvalidArgument, "the floor map has no occupied cell", "image"};
+    return Error{ErrorCode::kInvalidArgument,
+                 "the floor map has no occupied cell: check occupied_thresh, negate and mode",
+                 "image"};
   }
   if (auto error = check_no_noise(floor_map)) return *error;
   const OccupancyGrid clear = without_grey_rims(floor_map);

@@ -74,6 +74,12 @@ std::string other_kind(std::string_view image) {
       Kind{"\xff\xd8\xff", "a jpeg"},
       Kind{"GIF8", "a gif"},
       Kind{"RIFF", "a webp"},
+      Kind{"<svg", "an svg"},
+      Kind{"<?xml", "an xml or svg"},
+      Kind{"\x1f\x8b", "packed with gzip"},
+      Kind{"PK\x03\x04", "packed with zip"},
+      Kind{"image:", "a yaml"},
+      Kind{"version https://git-lfs", "a Git LFS pointer and not the file itself"},
   };
   if (image.empty()) return "empty";
   const auto* const kind = std::ranges::find_if(
@@ -159,6 +165,13 @@ Result<MapFiles> load_map_files(const std::filesystem::path& yaml_path,
                  yaml_path.string()};
   }
   auto [image_path, note] = image_beside(yaml_path, yaml->image);
+  std::error_code error;
+  if (!std::filesystem::exists(image_path, error)) {
+    return Error{
+        ErrorCode::kNotFound,
+        "no such file, nor one of that name beside the yaml, whose image is " + yaml->image,
+        image_path.string()};
+  }
   // A plain pgm takes at most six bytes a pixel, beside its header.
   const auto max_bytes = static_cast<std::uintmax_t>(limits.max_cells) * 6 + kMaxYamlBytes;
   Result<std::string> image = read_file(image_path, max_bytes);

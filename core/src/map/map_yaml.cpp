@@ -7,6 +7,8 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace cornerfix {
@@ -21,65 +23,100 @@ Error wrong_key(std::string message, std::string key) {
   return {ErrorCode::kInvalidArgument, std::move(message), std::move(key)};
 }
 
+/// With what is there instead of what was expected.
+Error wrong_value(const std::string& expected, const YAML::Node& node, const char* key) {
+  constexpr std::size_t kLongest = 60;
+  std::string value = YAML::Dump(node);
+  if (value.size() > kLongest) value = value.substr(0, kLongest) + "...";
+  return wrong_key(expected + ", not " + value, key);
+}
+
+/// Also for a key without a value.
+bool is_missing(const YAML::Node& node) { return !node || node.IsNull(); }
+
 /// A finite number, or `fallback` where the key is missing.
 Result<double> number(const YAML::Node& node, const char* key, std::optional<double> fallback) {
-  if (!node) {
+  if (is_missing(node)) {
     if (fallback) return *fallback;
     return wrong_key("missing, expected a number", key);
   }
   double value = 0.0;
   if (!YAML::convert<double>::decode(node, value) || !std::isfinite(value)) {
-    return wrong_key("expected a finite number", key);
+    return wrong_value("expected a finite number", node, key);
   }
   return value;
 }
 
 Result<Pose2> parse_origin(const YAML::Node& node) {
   constexpr const char* kExpected = "expected [x, y, yaw] in metres and radians";
-  if (!node || !node.IsSequence() || node.size() != 3) return wrong_key(kExpected, "origin");
+  if (is_missing(node)) return wrong_key("missing, " + std::string(kExpected), "origin");
+  if (!node.IsSequence() || node.size() != 3) return wrong_value(kExpected, node, "origin");
   std::array<double, 3> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Result<double> value = number(node[i], "origin", std::nullopt);
-    if (!value) return wrong_key(kExpected, "origin");
+    if (!value) return wrong_value(kExpected, node, "origin");
     values[i] = *value;
   }
   if (std::max(std::abs(values[0]), std::abs(values[1])) > kFarthestOrigin)
-    return wrong_key("expected x and y within 1e8 m", "origin");
+    return wrong_value("expected x and y within 1e8 m", node, "origin");
   return Pose2{values[0], values[1], wrap_angle(values[2])};
 }
 
 Result<MapYaml::Mode> parse_mode(const YAML::Node& node) {
-  if (!node || node.IsNull()) return MapYaml::Mode::kTrinary;
+  if (is_missing(node)) return MapYaml::Mode::kTrinary;
   std::string name = node.IsScalar() ? node.Scalar() : std::string();
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   if (name == "trinary") return MapYaml::Mode::kTrinary;
   if (name == "scale") return MapYaml::Mode::kScale;
   if (name == "raw") return MapYaml::Mode::kRaw;
-  return wrong_key("expected trinary, scale or raw", "mode");
+  return wrong_value("expected trinary, scale or raw", node, "mode");
 }
 
 /// 0 and 1 as map_server takes them, or a truth value of YAML (True, yes, off, ...) as nav2 does.
 Result<bool> parse_negate(const YAML::Node& node) {
-  if (!node) return false;
-  const std::string text = node.IsScalar() ? node.Scalar() : std::string();
-  if (text == "0" || text == "1") return text == "1";
+  if (is_missing(node)) return false;
+  double number = 0.0;
+  if (YAML::convert<double>::decode(node, number) && (number == 0.0 || number == 1.0)) {
+    return number == 1.0;
+  }
   bool value = false;
   if (YAML::convert<bool>::decode(node, value)) return value;
-  return wrong_key("expected 0 or 1, true or false", "negate");
+  return wrong_value("expected 0 or 1, true or false", node, "negate");
+}
+
+/// The reader takes the first of two equal keys, and the second may be the right one.
+std::optional<Error> find_repeated_key(const YAML::Node& root) {
+  std::set<std::string> keys;
+  for (const auto& entry : root) {
+    const YAML::Node& key = entry.first;
+    if (key.IsScalar() && !keys.insert(key.Scalar()).second)
+      return wrong_key("there twice, expected once", key.Scalar());
+  }
+  return std::nullopt;
 }
 
 Result<MapYaml> map_yaml_of(const YAML::Node& root) {
-  if (!root.IsMap()) return no_map_yaml("expected the keys of a map_server yaml");
+  if (!root.IsMap()) {
+    return no_map_yaml(
+        "expected the keys of a map_server yaml: image, resolution, origin, negate, "
+        "occupied_thresh, free_thresh");
+  }
+  if (auto error = find_repeated_key(root)) return *error;
   MapYaml out;
-  if (!root["image"] || !root["image"].IsScalar() || root["image"].Scalar().empty()) {
-    return wrong_key("missing, expected the name of a pgm, png or bmp file", "image");
+  constexpr const char* kExpectedImage = "expected the name of a pgm, png or bmp file";
+  if (is_missing(root["image"])) {
+    return wrong_key("missing, " + std::string(kExpectedImage), "image");
+  }
+  if (!root["image"].IsScalar() || root["image"].Scalar().empty()) {
+    return wrong_value(kExpectedImage, root["image"], "image");
   }
   out.image = root["image"].Scalar();
 
   const Result<double> resolution = number(root["resolution"], "resolution", std::nullopt);
   if (!resolution) return resolution.error();
   if (*resolution < kFinestCell || *resolution > kCoarsestCell)
-    return wrong_key("expected metres a cell from 0.001 to 100", "resolution");
+    return wrong_value("expected metres per cell from 0.001 to 100", root["resolution"],
+                       "resolution");
   out.resolution = *resolution;
 
   const Result<Pose2> origin = parse_origin(root["origin"]);
@@ -93,14 +130,15 @@ Result<MapYaml> map_yaml_of(const YAML::Node& root) {
   const Result<double> occupied =
       number(root["occupied_thresh"], "occupied_thresh", kOccupiedThreshold);
   if (!occupied) return occupied.error();
-  const Result<double> free = number(root["free_thresh"], "free_thresh", kFreeThreshold);
-  if (!free) return free.error();
   if (*occupied < 0.0 || *occupied > 1.0) {
-    return wrong_key("expected a share from 0 to 1, not " + root["occupied_thresh"].Scalar(),
-                     "occupied_thresh");
+    return wrong_value("expected a share from 0 to 1", root["occupied_thresh"], "occupied_thresh");
   }
+  const Result<double> free =
+      number(root["free_thresh"], "free_thresh", std::min(kFreeThreshold, *occupied));
+  if (!free) return free.error();
   if (*free < 0.0 || *free > *occupied) {
-    return wrong_key("expected a share from 0 to occupied_thresh", "free_thresh");
+    return wrong_value("expected a share from 0 to occupied_thresh", root["free_thresh"],
+                       "free_thresh");
   }
   out.occupied_thresh = *occupied;
   out.free_thresh = *free;

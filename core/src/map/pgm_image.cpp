@@ -20,6 +20,7 @@ class PgmReader {
  public:
   explicit PgmReader(std::string_view text) : text_(text) {}
 
+  /// Nothing at the end, or where no number stands.
   std::optional<std::int64_t> next_number() {
     skip_space_and_comments();
     std::int64_t value = 0;
@@ -31,6 +32,7 @@ class PgmReader {
   }
 
   void skip(std::size_t count) { at_ = std::min(at_ + count, text_.size()); }
+  [[nodiscard]] bool is_at_end() const { return at_ == text_.size(); }
   [[nodiscard]] std::string_view rest() const { return text_.substr(at_); }
 
  private:
@@ -74,6 +76,9 @@ Result<void> read_plain_pixels(PgmReader& reader, const std::vector<Cell>& class
   for (int row = 0; row < rows.height(); ++row) {
     for (Cell& cell : rows.row(row)) {
       const auto value = reader.next_number();
+      if (!value && !reader.is_at_end()) {
+        return pgm_error("row " + std::to_string(row) + " has a value that is no number");
+      }
       if (!value) return pgm_error("the file ends before the last pixel");
       if (static_cast<std::size_t>(*value) >= classes.size()) return pgm_value_above_maximum();
       cell = classes[static_cast<std::size_t>(*value)];
@@ -83,14 +88,17 @@ Result<void> read_plain_pixels(PgmReader& reader, const std::vector<Cell>& class
   return {};
 }
 
-/// P5: a byte a value, or two with the higher first.
+/// P5: a byte a value, or two with the higher first. `pixels` begin with the end of the header: a
+/// single blank, or CR and LF where the file is just so much longer.
 Result<void> read_binary_pixels(std::string_view pixels, const std::vector<Cell>& classes,
                                 ImageRows& rows) {
   const std::size_t bytes_per_value = classes.size() > 256 ? 2 : 1;
   const std::size_t expected = static_cast<std::size_t>(rows.width()) *
                                static_cast<std::size_t>(rows.height()) * bytes_per_value;
+  const bool ends_with_crlf = pixels.starts_with("\r\n") && pixels.size() == expected + 2;
+  pixels.remove_prefix(std::min<std::size_t>(pixels.size(), ends_with_crlf ? 2 : 1));
   if (pixels.size() < expected) {
-    return pgm_error("" + std::to_string(pixels.size()) + " bytes of pixels, expected " +
+    return pgm_error(std::to_string(pixels.size()) + " bytes of pixels, expected " +
                      std::to_string(expected));
   }
   rows.allocate();
@@ -126,7 +134,6 @@ Result<OccupancyGrid> parse_pgm(const MapYaml& yaml, std::string_view image,
   Result<ImageRows> rows = empty_rows(yaml, *width, *height, limits);
   if (!rows) return rows.error();
   const std::vector<Cell> classes = classes_of_grey_values(yaml, *max_value);
-  if (!plain) reader.skip(1);  // A single blank stands before the pixels.
   const Result<void> read = plain ? read_plain_pixels(reader, classes, *rows)
                                   : read_binary_pixels(reader.rest(), classes, *rows);
   if (!read) return read.error();

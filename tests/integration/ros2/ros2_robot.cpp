@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "support/room_drive.hpp"
 
@@ -11,7 +12,8 @@ namespace cornerfix::testing {
 namespace {
 
 constexpr double kStepRad = 0.1;
-const Pose2 kMount{0.2, -0.1, 0.3};        ///< Of the laser in base_link.
+const Pose2 kMount{0.2, -0.1, 0.3};  ///< Of the laser in base_link.
+const Pose2 kRearMount{-0.2, 0.1, 0.3 + std::numbers::pi};
 const Pose2 kStartInOdom{3.0, -2.0, 1.0};  ///< Odometry begins anywhere.
 constexpr double kFirstStamp = 500.0;
 
@@ -25,6 +27,15 @@ double stamp_of(const ros::Header& header) { return header.sec + 1e-9 * header.n
 
 ros::Pose spatial(const Pose2& pose) {
   return {{pose.x, pose.y, 0.0}, {0.0, 0.0, std::sin(pose.yaw / 2.0), std::cos(pose.yaw / 2.0)}};
+}
+
+/// What a lidar of half a turn sees.
+LaserScan front_half(LaserScan scan) {
+  const std::size_t quarter = scan.ranges.size() / 4;
+  scan.angle_min = scan.bearing(quarter);
+  scan.ranges = {scan.ranges.begin() + static_cast<std::ptrdiff_t>(quarter),
+                 scan.ranges.end() - static_cast<std::ptrdiff_t>(quarter)};
+  return scan;
 }
 
 }  // namespace
@@ -47,6 +58,8 @@ Ros2Robot::Ros2Robot(std::uint32_t domain, Options options)
               ? nullptr
               : node_.advertise<ros::Odometry>(topic + "/odom", options_.odom_qos);
   scan_ = node_.advertise<ros::LaserScan>(topic + "/scan", options_.scan_qos);
+  if (options_.has_rear_lidar)
+    rear_scan_ = node_.advertise<ros::LaserScan>(topic + "/rear/scan", options_.scan_qos);
   node_.subscribe<ros::PoseWithCovarianceStamped>(
       topic + "/initialpose", kReliableQos, [this](const ros::PoseWithCovarianceStamped& pose) {
         const std::lock_guard lock(mutex_);
@@ -80,6 +93,7 @@ void Ros2Robot::subscribe_transforms() {
 bool Ros2Robot::wait_for_client() {
   return wait_until([this] {
     return !diagnoses.empty() && scan_->matched() > 0 &&
+           (!rear_scan_ || rear_scan_->matched() > 0) &&
            (options_.has_odometry_in_tf ? tf_ : odom_)->matched() > 0;
   });
 }
@@ -93,6 +107,8 @@ void Ros2Robot::publish_mount() {
   ros::TfMessage message;
   message.transforms.push_back(
       {header(0.0, options_.prefix + "base_link"), options_.prefix + "laser", mount});
+  message.transforms.push_back({header(0.0, options_.prefix + "base_link"),
+                                options_.prefix + "rear_laser", spatial(kRearMount)});
   tf_static_->write(&message);
 }
 
@@ -111,14 +127,21 @@ void Ros2Robot::publish_odometry(const TruePose& pose) {
   odom_->write(&odometry);
 }
 
-void Ros2Robot::publish_scan(const TruePose& pose) {
-  LaserScan seen = scan_in_room(pose.T_map_base_link * kMount, pose.stamp);
+void Ros2Robot::publish_scans(const TruePose& pose) {
+  publish_scan(*scan_, kMount, "laser", pose);
+  if (rear_scan_) publish_scan(*rear_scan_, kRearMount, "rear_laser", pose);
+}
+
+void Ros2Robot::publish_scan(FastDdsNode::Writer& writer, const Pose2& mount,
+                             const std::string& frame, const TruePose& pose) {
+  LaserScan seen = scan_in_room(pose.T_map_base_link * mount, pose.stamp);
+  if (options_.has_rear_lidar) seen = front_half(std::move(seen));
   if (options_.is_upside_down) {  // Its beam i looks where the one as far on the other side would.
     std::reverse(seen.ranges.begin(), seen.ranges.end());
     seen.angle_min = -seen.bearing(seen.ranges.size() - 1);
   }
   ros::LaserScan scan;
-  scan.header = header(pose.stamp, options_.prefix + "laser");
+  scan.header = header(pose.stamp, options_.prefix + frame);
   scan.angle_min = static_cast<float>(seen.angle_min);
   scan.angle_max = static_cast<float>(seen.bearing(seen.ranges.size() - 1));
   scan.angle_increment = static_cast<float>(seen.angle_increment);
@@ -127,7 +150,7 @@ void Ros2Robot::publish_scan(const TruePose& pose) {
   scan.range_max = static_cast<float>(seen.range_max);
   scan.ranges = seen.ranges;
   if (is_covered_) std::ranges::fill(scan.ranges, std::numeric_limits<float>::infinity());
-  scan_->write(&scan);
+  writer.write(&scan);
 }
 
 bool Ros2Robot::is_answered(double stamp) const {
@@ -152,7 +175,7 @@ void Ros2Robot::publish_until_answered(const TruePose& pose) {
   constexpr int kMostRepeats = 40;
   for (int repeat = 0; repeat < kMostRepeats; ++repeat) {
     publish_odometry(pose);
-    publish_scan(pose);
+    publish_scans(pose);
     if (wait_until([&] { return is_answered(pose.stamp); }, kUntilRepeated)) return;
   }
 }

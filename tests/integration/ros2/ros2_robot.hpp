@@ -25,6 +25,8 @@ class Ros2Robot {
     FastQos odom_qos = kReliableQos;
     bool has_odometry_in_tf = false;  ///< On /tf and not on odom.
     bool is_upside_down = false;      ///< The laser.
+    bool has_rear_lidar = false;      ///< On rear/scan; then both see half a turn.
+    bool has_two_lidars = false;      ///< On front/scan and rear/scan, each of half a turn.
   };
 
   /// Publishes where the laser is, once, also for those that come later.
@@ -68,7 +70,9 @@ class Ros2Robot {
   void publish_mount();
   void subscribe_transforms();
   void publish_odometry(const TruePose& pose);
-  void publish_scan(const TruePose& pose);
+  void publish_scans(const TruePose& pose);
+  void publish_scan(FastDdsNode::Writer& writer, const Pose2& mount, const std::string& frame,
+                    const TruePose& pose);
   /// What is sent by best effort is lost as long as the client has not discovered its publisher.
   /// Sent again with the same stamp, it changes nothing.
   void publish_until_answered(const TruePose& pose);
@@ -86,6 +90,7 @@ class Ros2Robot {
   std::unique_ptr<FastDdsNode::Writer> tf_;
   std::unique_ptr<FastDdsNode::Writer> odom_;
   std::unique_ptr<FastDdsNode::Writer> scan_;
+  std::unique_ptr<FastDdsNode::Writer> rear_scan_;
 };
 
 /// Of a pose in the plane.

@@ -117,6 +117,28 @@ TEST_F(Ros2Test, TakesOdometryOfTfAndALaserThatHangsUpsideDown) {
   EXPECT_EQ(sessions.at(0)["last_answer"]["odometry"], "used");
 }
 
+TEST_F(Ros2Test, JoinsTheScansOfTwoLidars) {
+  Ros2Robot robot(domain_.id(), {.ns = "", .prefix = "", .has_rear_lidar = true});
+  const auto client = start({"--map", "office", "--scan", "scan", "--scan", "rear/scan"});
+  ASSERT_TRUE(robot.wait_for_client());
+  drive_until(robot, "localized");
+  ASSERT_TRUE(robot.wait_until([&] { return !robot.poses.empty(); }));
+  expect_true_pose(robot, robot.poses.front());
+  const testing::Json session = http_.get("/v1/sessions").json()["sessions"].at(0);
+  EXPECT_TRUE(session["lidars"].contains("scan"));
+  EXPECT_TRUE(session["lidars"].contains("rear.scan"));
+}
+
+TEST_F(Ros2Test, SearchesOnlyWhereTheRobotIsSwitchedOn) {
+  Ros2Robot robot(domain_.id(), {});
+  const auto client = start({"--map", "office", "--near", "5", "5", "2.5"});
+  ASSERT_TRUE(robot.wait_for_client());
+  drive_until(robot, "localized");
+  const testing::Json session = http_.get("/v1/sessions").json()["sessions"].at(0);
+  EXPECT_EQ(session["near"]["radius_m"], 2.5);
+  EXPECT_EQ(session["last_answer"]["given"], "near");
+}
+
 TEST_F(Ros2Test, MatchesAnOdometryPublisherOfBestEffort) {
   Ros2Robot robot(domain_.id(), {.ns = "", .prefix = "", .odom_qos = testing::kSensorQos});
   const auto client = start({});
@@ -200,6 +222,7 @@ TEST_F(Ros2Test, EndsAtOnceWhenTheMapDoesNotExist) {
 TEST_F(Ros2Test, RefusesRobotsThatShareTheirTopics) {
   EXPECT_EQ(start({"--robot", "one", "--robot", "two"})->wait(), 2);
   EXPECT_EQ(start({"--robot", "one=a", "--robot", "one=b"})->wait(), 2);
+  EXPECT_EQ(start({"--scan", "scan", "--scan", "/scan"})->wait(), 2);
   EXPECT_EQ(start({"--remap", "scam:=front/scan"})->wait(), 2);
 }
 

@@ -8,8 +8,10 @@ namespace cornerfix::ros2 {
 namespace {
 
 using std::chrono::milliseconds;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Pair;
 using ::testing::SizeIs;
 
 constexpr auto kStatic = FrameTree::Origin::kStatic;
@@ -64,10 +66,21 @@ TEST_F(ScanAssemblerTest, TakesOdometryFromTf) {
 TEST_F(ScanAssemblerTest, LeavesOutOdometryThatDoesNotComeInTime) {
   scans_.add_scan(scan_at(1.0), now_);
   EXPECT_THAT(take(milliseconds(100)), IsEmpty());
-  EXPECT_EQ(scans_.next_deadline(), now_ + milliseconds(250));
+  EXPECT_EQ(scans_.next_deadline(now_), now_ + milliseconds(250));
   const auto batch = take(milliseconds(250));
   ASSERT_THAT(batch, SizeIs(1));
   EXPECT_FALSE(batch[0].T_odom_base_link);
+}
+
+TEST_F(ScanAssemblerTest, NamesOdometryWithoutAPose) {
+  scans_.add_scan(scan_at(1.0), now_);
+  scans_.add_odometry(std::nullopt);
+  const auto batch = take(milliseconds(250));
+  ASSERT_THAT(batch, SizeIs(1));
+  EXPECT_FALSE(batch[0].T_odom_base_link);
+  EXPECT_THAT(scans_.problem(), HasSubstr("its orientation a unit quaternion"));
+  scans_.add_odometry(transform(1.0, "odom", "base_link", 1.0));
+  EXPECT_THAT(scans_.problem(), IsEmpty());
 }
 
 TEST_F(ScanAssemblerTest, NamesTheTransformThatIsMissing) {
@@ -138,6 +151,116 @@ TEST_F(ScanAssemblerTest, KeepsTheNewestScansWhileTheServerDoesNotAnswer) {
   }
   EXPECT_EQ(count, 50U);
   EXPECT_EQ(last, 199.0);
+}
+
+/// Two lidars, whose odometry comes before their scans.
+class TwoLidarsTest : public ScanAssemblerTest {
+ protected:
+  TwoLidarsTest() {
+    scans_ = ScanAssembler({.lidars = {"front", "rear"}});
+    scans_.add_transform(transform(0, "base_link", "laser", 0.3), kStatic);
+    scans_.add_transform(transform(0, "base_link", "rear_laser", -0.3), kStatic);
+    add_odometry();
+  }
+
+  /// Of a robot that stands, for all stamps from 0 to 20.
+  void add_odometry() {
+    for (const double stamp : {0.0, 20.0})
+      scans_.add_odometry(transform(stamp, "odom", "base_link", 1.0));
+  }
+
+  void add(std::size_t lidar, double stamp, milliseconds after = milliseconds(0),
+           double time_increment = 0.0) {
+    ReceivedScan scan = scan_at(stamp, time_increment);
+    if (lidar == 1) scan.frame = "rear_laser";
+    scans_.add_scan(std::move(scan), now_ + after, lidar);
+  }
+};
+
+std::vector<std::pair<std::string, double>> taken(const std::vector<AssembledScan>& batch) {
+  std::vector<std::pair<std::string, double>> out;
+  for (const AssembledScan& scan : batch) out.emplace_back(scan.lidar, scan.scan.stamp);
+  return out;
+}
+
+TEST_F(TwoLidarsTest, AreSentInTheOrderOfTheirStamps) {
+  add(0, 1.0);
+  add(1, 1.05);
+  EXPECT_THAT(taken(take()), ElementsAre(Pair("front", 1.0)));
+  add(1, 1.15);
+  EXPECT_THAT(take(), IsEmpty()) << "a scan of the front lidar at 1.1 is to be expected";
+  add(0, 1.1);
+  const auto batch = take();
+  EXPECT_THAT(taken(batch), ElementsAre(Pair("rear", 1.05), Pair("front", 1.1)));
+  EXPECT_NEAR(batch[0].T_base_link_laser.x, -0.3, 1e-9);
+  EXPECT_NEAR(batch[1].T_base_link_laser.x, 0.3, 1e-9);
+}
+
+TEST_F(TwoLidarsTest, MayHaveEqualStamps) {
+  add(0, 1.0);
+  add(1, 1.0);
+  EXPECT_THAT(taken(take()), ElementsAre(Pair("front", 1.0), Pair("rear", 1.0)));
+  EXPECT_THAT(scans_.problem(), IsEmpty());
+}
+
+TEST_F(TwoLidarsTest, DoNotWaitLongForOneThatIsLate) {
+  add(0, 1.0);
+  add(1, 1.0);
+  ASSERT_THAT(take(), SizeIs(2));
+  add(0, 1.2);
+  EXPECT_THAT(take(milliseconds(100)), IsEmpty());
+  EXPECT_EQ(scans_.next_deadline(now_ + milliseconds(100)), now_ + milliseconds(250));
+  EXPECT_THAT(taken(take(milliseconds(250))), ElementsAre(Pair("front", 1.2)));
+  add(1, 1.1, milliseconds(260));
+  EXPECT_THAT(take(milliseconds(260)), IsEmpty());
+  EXPECT_THAT(scans_.problem(), HasSubstr("rear: scans come later than those of the other lidars"));
+}
+
+TEST_F(TwoLidarsTest, DoNotWaitForOneThatIsSilentAndNameIt) {
+  add(0, 1.0);
+  EXPECT_THAT(take(), SizeIs(1)) << "the rear lidar was never heard";
+  EXPECT_EQ(scans_.problem(), "rear: no scans");
+  add(1, 1.1);
+  add(0, 1.2);
+  ASSERT_THAT(take(), SizeIs(1));
+  EXPECT_THAT(scans_.problem(), IsEmpty());
+  add(0, 3.0);
+  EXPECT_THAT(taken(take()), ElementsAre(Pair("front", 1.2), Pair("front", 3.0)));
+  EXPECT_EQ(scans_.problem(), "rear: no scans");
+}
+
+TEST_F(TwoLidarsTest, WorkWhileOneHasNoTransform) {
+  scans_ = ScanAssembler({.lidars = {"front", "rear"}});
+  add_odometry();
+  scans_.add_transform(transform(0, "base_link", "laser", 0.3), kStatic);
+  add(0, 1.0);
+  add(1, 1.0);
+  EXPECT_THAT(taken(take(milliseconds(250))), ElementsAre(Pair("front", 1.0)));
+  EXPECT_EQ(scans_.problem(),
+            "rear: no transform from base_link to rear_laser, the frame of the scans");
+}
+
+TEST_F(TwoLidarsTest, SendTwoScansOfEachWhenTheyMoveDuringAScan) {
+  for (const std::size_t lidar : {0U, 1U}) add(lidar, 1.0, milliseconds(0), 0.001);
+  EXPECT_THAT(take(), IsEmpty());
+  add(0, 1.1, milliseconds(0), 0.001);
+  EXPECT_THAT(take(), IsEmpty());
+  add(1, 1.1, milliseconds(0), 0.001);
+  EXPECT_THAT(take(), SizeIs(4));
+}
+
+TEST_F(TwoLidarsTest, BeginARunTogetherWhenTheClockWasSetBack) {
+  add(0, 10.0);
+  add(1, 10.0);
+  ASSERT_THAT(take(), SizeIs(2));
+  add(0, 1.0);
+  add(1, 1.0);
+  add(0, 1.2);
+  add(1, 1.2);
+  const auto batch = take();
+  ASSERT_THAT(batch, SizeIs(4));
+  EXPECT_TRUE(batch[0].begins_run);
+  for (std::size_t i = 1; i < batch.size(); ++i) EXPECT_FALSE(batch[i].begins_run);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ std::uint64_t sequence_of(const FakeRequest& batch) {
 
 TEST(SessionClient, OpensASessionAndPostsScansAsCbor) {
   FakeServer server(server_with([] { return FakeAnswer{200, kCollecting}; }));
-  SessionClient client({server.url(), "secret"}, "robot-7", {"office"});
+  SessionClient client({server.url(), "secret"}, {"robot-7", {"office"}});
   const auto outcome = client.post(scans());
   ASSERT_EQ(outcome.kind, Kind::kAnswered) << outcome.problem;
   EXPECT_EQ(outcome.answer->status, "collecting");
@@ -60,9 +60,42 @@ TEST(SessionClient, OpensASessionAndPostsScansAsCbor) {
   EXPECT_EQ(requests[1].path, "/v1/sessions/abc/scans");
   EXPECT_EQ(requests[1].content_type, "application/cbor");
   const Json batch = Json::from_cbor(requests[1].body);
-  EXPECT_EQ(batch["lidar"]["mount"], Json({{"x", 0.3}, {"y", 0.0}, {"yaw", 0.1}}));
+  EXPECT_FALSE(opening.contains("lidars") || opening.contains("near"));
+  EXPECT_EQ(batch["scans"][0]["mount"], Json({{"x", 0.3}, {"y", 0.0}, {"yaw", 0.1}}));
   EXPECT_EQ(batch["scans"][0]["odom"], Json({{"x", 1.0}, {"y", 2.0}, {"yaw", 0.5}}));
   EXPECT_EQ(batch["scans"][0]["ranges"][1], std::numeric_limits<double>::infinity());
+}
+
+TEST(SessionClient, NamesTheLidarsOfTheSessionAndOfEachScan) {
+  FakeServer server(server_with([] { return FakeAnswer{200, kCollecting}; }));
+  SessionClient client({server.url(), ""}, {"robot-7", {}, {"front", "rear"}});
+  std::vector<AssembledScan> batch = scans();
+  batch.front().lidar = "rear";
+  ASSERT_EQ(client.post(batch).kind, Kind::kAnswered);
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 2U);
+  const Json opening = Json::parse(requests[0].body);
+  EXPECT_FALSE(opening.contains("lidar"));
+  EXPECT_EQ(opening["lidars"].size(), 2U);
+  EXPECT_TRUE(opening["lidars"].contains("front"));
+  const Json scan = Json::from_cbor(requests[1].body)["scans"][0];
+  EXPECT_EQ(scan["lidar"], "rear");
+  EXPECT_EQ(scan["angle_min"], -1.0);
+}
+
+TEST(SessionClient, SendsWhereTheRobotIsSwitchedOnWithTheFirstSessionOnly) {
+  FakeServer server(server_with([] { return FakeAnswer{200, kCollecting}; }));
+  const StartRegion near{
+      .center = {1.0, 2.0}, .radius_m = 3.0, .yaw = 0.5, .yaw_tolerance_rad = 0.8};
+  SessionClient client({server.url(), ""}, {"robot-7", {}, {}, near});
+  ASSERT_EQ(client.post(scans()).kind, Kind::kAnswered);
+  ASSERT_EQ(client.post(scans(/*begins_run=*/true)).kind, Kind::kAnswered);
+  const auto requests = server.requests();
+  ASSERT_EQ(requests.size(), 5U);
+  EXPECT_EQ(
+      Json::parse(requests[0].body)["near"],
+      Json({{"x", 1.0}, {"y", 2.0}, {"radius_m", 3.0}, {"yaw", 0.5}, {"yaw_tolerance_rad", 0.8}}));
+  EXPECT_FALSE(Json::parse(requests[3].body).contains("near")) << "it has moved since";
 }
 
 TEST(SessionClient, ReadsThePose) {
@@ -72,7 +105,7 @@ TEST(SessionClient, ReadsThePose) {
         "y": 2.0, "yaw": 0.5, "covariance": [1, 2, 3, 4, 5, 6, 7, 8, 9], "epoch": 3,
         "confirmed": true}})"};
   }));
-  SessionClient client({server.url(), ""}, "robot-7", {});
+  SessionClient client({server.url(), ""}, {"robot-7", {}});
   const auto outcome = client.post(scans());
   ASSERT_TRUE(outcome.answer && outcome.answer->pose) << outcome.problem;
   EXPECT_EQ(outcome.answer->pose->T_map_base_link, (Pose2{1.0, 2.0, 0.5}));
@@ -87,7 +120,7 @@ TEST(SessionClient, PostsTheSameBatchAgainWhenTheServerIsBusy) {
     return ++calls == 1 ? FakeAnswer{503, R"({"detail": "busy"})", "2"}
                         : FakeAnswer{200, kCollecting};
   }));
-  SessionClient client({server.url(), ""}, "robot-7", {});
+  SessionClient client({server.url(), ""}, {"robot-7", {}});
   const auto busy = client.post(scans());
   EXPECT_EQ(busy.kind, Kind::kTryAgain);
   EXPECT_EQ(busy.wait, std::chrono::seconds(2));
@@ -108,7 +141,7 @@ TEST(SessionClient, GoesOnWithTheSequenceThatTheServerExpects) {
                ? FakeAnswer{409, R"({"code": "sequence_conflict", "detail": "", "expected": 39})"}
                : FakeAnswer{200, kCollecting};
   }));
-  SessionClient client({server.url(), ""}, "robot-7", {});
+  SessionClient client({server.url(), ""}, {"robot-7", {}});
   EXPECT_EQ(client.post(scans()).kind, Kind::kTryAgain);
   EXPECT_EQ(client.post(scans()).kind, Kind::kAnswered);
   EXPECT_EQ(sequence_of(server.requests()[2]), 39U);
@@ -121,7 +154,7 @@ TEST(SessionClient, OpensANewSessionWhenItsOwnIsGone) {
       return ++calls == 1 ? FakeAnswer{status, R"({"detail": "gone"})"}
                           : FakeAnswer{200, kCollecting};
     }));
-    SessionClient client({server.url(), ""}, "robot-7", {});
+    SessionClient client({server.url(), ""}, {"robot-7", {}});
     EXPECT_EQ(client.post(scans()).kind, Kind::kTryAgain);
     EXPECT_EQ(client.post(scans()).kind, Kind::kAnswered);
     EXPECT_EQ(server.requests()[2].path, "/v1/sessions");
@@ -130,7 +163,7 @@ TEST(SessionClient, OpensANewSessionWhenItsOwnIsGone) {
 
 TEST(SessionClient, OpensANewSessionForANewRun) {
   FakeServer server(server_with([] { return FakeAnswer{200, kCollecting}; }));
-  SessionClient client({server.url(), ""}, "robot-7", {});
+  SessionClient client({server.url(), ""}, {"robot-7", {}});
   EXPECT_EQ(client.post(scans()).kind, Kind::kAnswered);
   EXPECT_EQ(client.post(scans(/*begins_run=*/true)).kind, Kind::kAnswered);
   const auto requests = server.requests();
@@ -145,14 +178,14 @@ TEST(SessionClient, DropsABatchThatTheServerCannotTake) {
     return FakeAnswer{422, R"({"detail": "must be a number", "errors":
         [{"pointer": "/scans/0/stamp", "detail": "must be a number"}]})"};
   }));
-  SessionClient client({server.url(), ""}, "robot-7", {});
+  SessionClient client({server.url(), ""}, {"robot-7", {}});
   const auto outcome = client.post(scans());
   EXPECT_EQ(outcome.kind, Kind::kRefused);
   EXPECT_EQ(outcome.problem, "422 must be a number (at /scans/0/stamp)");
 }
 
 TEST(SessionClient, WaitsLongerAndLongerForAServerThatDoesNotAnswer) {
-  SessionClient client({"http://127.0.0.1:1", ""}, "robot-7", {});  // Nobody listens there.
+  SessionClient client({"http://127.0.0.1:1", ""}, {"robot-7", {}});  // Nobody listens there.
   const auto first = client.post(scans());
   EXPECT_EQ(first.kind, Kind::kTryAgain);
   EXPECT_EQ(first.problem, "no answer from http://127.0.0.1:1");
@@ -164,8 +197,8 @@ TEST(SessionClient, ChecksThatItsMapsExist) {
     return request.path == "/v1/maps/office" ? FakeAnswer{200, "{}"}
                                              : FakeAnswer{404, R"({"detail": "no such map"})"};
   });
-  EXPECT_FALSE(SessionClient({server.url(), ""}, "robot-7", {"office"}).check());
-  const auto wrong = SessionClient({server.url(), ""}, "robot-7", {"office", "offce"}).check();
+  EXPECT_FALSE(SessionClient({server.url(), ""}, {"robot-7", {"office"}}).check());
+  const auto wrong = SessionClient({server.url(), ""}, {"robot-7", {"office", "offce"}}).check();
   ASSERT_TRUE(wrong);
   EXPECT_EQ(wrong->message, "404 no such map");
   EXPECT_THAT(wrong->field, HasSubstr("/v1/maps/offce"));

@@ -37,6 +37,16 @@ TEST(TopicNames, RefusesRemappingsThatCannotBeMeant) {
   }
 }
 
+TEST(TopicNames, OfFurtherLidarsAreInTheNamespaceToo) {
+  EXPECT_EQ(Remappings{}.resolve("rear/scan", "robot1"), "/robot1/rear/scan");
+  EXPECT_EQ(Remappings{}.resolve("/rear/scan", "robot1"), "/rear/scan");
+}
+
+TEST(TopicNames, NameALidarOnTheServer) {
+  EXPECT_EQ(lidar_name("/robot1/rear/scan"), "robot1.rear.scan");
+  EXPECT_EQ(lidar_name("/_scan"), "scan");
+}
+
 TEST(TopicNames, AreMangledAsByTheMiddlewareOfRos) {
   EXPECT_EQ(dds_topic("/robot1/scan"), "rt/robot1/scan");
 }

@@ -90,6 +90,13 @@ TEST(MapImage, ReadsSixteenBitValuesHighByteFirst) {
   EXPECT_EQ(drawn(parse(kYaml, "P5\n2 1\n65535\n" + bytes({0x00, 0xff, 0xff, 0x00}))), "#.");
 }
 
+TEST(MapImage, TakesAHeaderWhoseLinesEndAsOnWindows) {
+  const std::string header = "P5\r\n3 1\r\n255\r\n";
+  EXPECT_EQ(drawn(parse(kYaml, header + bytes({0, 255, 0}))), "#.#");
+  EXPECT_EQ(drawn(parse(kYaml, "P5\n3 1\n255\r\n" + bytes({255, 0}))), "#.#")
+      << "where nothing is left over, the line feed is a pixel";
+}
+
 TEST(MapImage, NegateTurnsBlackIntoFree) {
   EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: 1\n", "P5\n2 1\n255\n" + bytes({0, 255}))),
             ".#");
@@ -97,10 +104,10 @@ TEST(MapImage, NegateTurnsBlackIntoFree) {
 
 TEST(MapImage, TakesTheTruthValuesOfYamlForNegate) {
   const std::string image = "P5\n2 1\n255\n" + bytes({0, 255});
-  for (const char* yes : {"1", "true", "True", "TRUE", "yes", "Yes", "on"}) {
+  for (const char* yes : {"1", "1.0", "'1'", "true", "True", "TRUE", "yes", "Yes", "on"}) {
     EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: " + yes + "\n", image)), ".#") << yes;
   }
-  for (const char* no : {"0", "false", "False", "FALSE", "no", "No", "off"}) {
+  for (const char* no : {"0", "0.0", "false", "False", "FALSE", "no", "No", "off", "~", ""}) {
     EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: " + no + "\n", image)), "#.") << no;
   }
 }
@@ -290,6 +297,9 @@ TEST(MapImage, NamesAnImageOfAnotherKind) {
       {"\xff\xd8\xff\xe0", "a jpeg"},
       {"GIF89a", "a gif"},
       {"", "empty"},
+      {"\x1f\x8b\x08", "packed with gzip"},
+      {"image: map.pgm\n", "a yaml"},
+      {"version https://git-lfs.github.com/spec/v1\n", "a Git LFS pointer"},
       {"anything", "no image that is known"},
   };
   for (const auto& [image, kind] : image_and_kind) {
@@ -381,6 +391,7 @@ TEST_F(MapFiles, SayWhichFileIsMissing) {
   ASSERT_FALSE(no_image.ok());
   EXPECT_EQ(no_image.error().code, ErrorCode::kNotFound);
   EXPECT_EQ(no_image.error().field, (directory_ / "images/gone.png").string());
+  EXPECT_NE(no_image.error().message.find("whose image is images/gone.png"), std::string::npos);
   const auto no_yaml = read_map_files(directory_ / "gone.yaml");
   ASSERT_FALSE(no_yaml.ok());
   EXPECT_EQ(no_yaml.error().code, ErrorCode::kNotFound);
@@ -391,7 +402,7 @@ TEST_F(MapFiles, NameTheFileAndTheWrongKey) {
   const auto grid = read_map_files(directory_ / "map.yaml");
   ASSERT_FALSE(grid.ok());
   EXPECT_EQ(grid.error().field, (directory_ / "map.yaml").string());
-  EXPECT_EQ(grid.error().message, "resolution: expected metres a cell from 0.001 to 100");
+  EXPECT_EQ(grid.error().message, "resolution: expected metres per cell from 0.001 to 100, not -1");
 }
 
 /// A room of 6 x 6 pixels whose walls have the given grey value, in unknown space.

@@ -51,6 +51,43 @@ TEST(MapYaml, ReadsFilesOfOtherEditors) {
   }
 }
 
+TEST(MapYaml, TakesAKeyWithoutValueAsMissing) {
+  const auto yaml = parse_map_yaml(kLeast + std::string("negate:\noccupied_thresh: ~\n"));
+  ASSERT_TRUE(yaml.ok()) << yaml.error().message;
+  EXPECT_FALSE(yaml->negate);
+  EXPECT_EQ(yaml->occupied_thresh, 0.65);
+}
+
+TEST(MapYaml, StatesWhatIsThereInsteadOfWhatWasExpected) {
+  const auto message = [](const std::string& lines) {
+    const auto yaml = parse_map_yaml("image: a.pgm\n" + lines);
+    return yaml.ok() ? "" : yaml.error().field + ": " + yaml.error().message;
+  };
+  const std::string origin = "origin: [0, 0, 0]\n";
+  EXPECT_EQ(message(origin), "resolution: missing, expected a number");
+  EXPECT_EQ(message("resolution: 0,05\n" + origin),
+            "resolution: expected a finite number, not 0,05");
+  EXPECT_EQ(message("resolution: 0.05\norigin: [0, 0]\n"),
+            "origin: expected [x, y, yaw] in metres and radians, not [0, 0]");
+  EXPECT_EQ(message("resolution: 0.05\n" + origin + "negate: maybe\n"),
+            "negate: expected 0 or 1, true or false, not maybe");
+  EXPECT_EQ(message("resolution: 0.05\n" + origin + "mode: " + std::string(100, 'x') + "\n"),
+            "mode: expected trinary, scale or raw, not " + std::string(60, 'x') + "...");
+}
+
+TEST(MapYaml, RefusesAKeyThatIsThereTwice) {
+  const auto yaml = parse_map_yaml(kLeast + std::string("resolution: 0.1\n"));
+  ASSERT_FALSE(yaml.ok());
+  EXPECT_EQ(yaml.error().field, "resolution");
+  EXPECT_EQ(yaml.error().message, "there twice, expected once");
+}
+
+TEST(MapYaml, KeepsTheDefaultThresholdOfFreeCellsBelowThatOfWalls) {
+  const auto yaml = parse_map_yaml(kLeast + std::string("occupied_thresh: 0.1\n"));
+  ASSERT_TRUE(yaml.ok()) << yaml.error().message;
+  EXPECT_EQ(yaml->free_thresh, 0.1);
+}
+
 TEST(MapYaml, NamesAThresholdInPercent) {
   const auto yaml = parse_map_yaml(kLeast + std::string("occupied_thresh: 65\n"));
   ASSERT_FALSE(yaml.ok());
