@@ -1,16 +1,28 @@
+# Compiles a target as all tests are. A test is compiled more often than it runs; what it tests keeps
+# its own optimisation.
+function(cornerfix_compile_as_test target)
+  target_link_libraries(${target} PRIVATE GTest::gmock_main)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  cornerfix_warnings(${target})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC 12 reports strings of impossible lengths at this optimisation (its bugs 105329 and 105651).
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
+  endif()
+endfunction()
+
+# The headers that every test includes, precompiled once for all of them.
+add_library(cornerfix_test_headers OBJECT ${CMAKE_CURRENT_LIST_DIR}/test_headers.cpp)
+target_link_libraries(cornerfix_test_headers PRIVATE cornerfix::core)
+target_precompile_headers(cornerfix_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <cornerfix/cornerfix.hpp>)
+cornerfix_compile_as_test(cornerfix_test_headers)
+
 # cornerfix_test(NAME LABEL label SOURCES ... LIBRARIES ...): one GoogleTest program, its tests found and labelled.
 function(cornerfix_test name)
   cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} GTest::gmock_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests)
-  target_precompile_headers(${name} PRIVATE <gmock/gmock.h> <gtest/gtest.h> <cornerfix/cornerfix.hpp>)
-  # A test is compiled more often than it runs; what it tests keeps its own optimisation.
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  cornerfix_warnings(${name})
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # GCC 12 reports strings of impossible lengths at this optimisation (its bugs 105329 and 105651).
-    target_compile_options(${name} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
-  endif()
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES})
+  cornerfix_compile_as_test(${name})
+  target_precompile_headers(${name} REUSE_FROM cornerfix_test_headers)
   gtest_discover_tests(${name} PROPERTIES LABELS ${ARG_LABEL} DISCOVERY_TIMEOUT 60)
 endfunction()
