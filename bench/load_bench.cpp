@@ -127,13 +127,13 @@ class ServerProcess {
   std::string url_;
 };
 
-RecordedLog drive(const DriveOptions& options) {
+evaluation::RecordedLog drive(const DriveOptions& options) {
   static const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
   return value_of(simulate_drive(willow, options));
 }
 
 void make_map(HttpClient& client) {
-  const RecordedLog log =
+  const evaluation::RecordedLog log =
       drive({.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1});
   const nlohmann::ordered_json lidar = lidar_json(log.header);
   value_of(client.send({"PUT", kMap, nlohmann::ordered_json{{"lidar", lidar}}.dump()}));
@@ -156,13 +156,13 @@ struct FleetDrive {
 
 FleetDrive fleet_drive(std::size_t scans) {
   constexpr double kStep = 0.08;
-  const RecordedLog log = drive({.beams = kBeams,
-                                 .people = 3,
-                                 .length_m = kStep * static_cast<double>(scans),
-                                 .step_m = kStep,
-                                 .seed = 2});
+  const evaluation::RecordedLog log = drive({.beams = kBeams,
+                                             .people = 3,
+                                             .length_m = kStep * static_cast<double>(scans),
+                                             .step_m = kStep,
+                                             .seed = 2});
   FleetDrive fleet{lidar_json(log.header), {}};
-  for (const LogScan& scan : log.scans)
+  for (const evaluation::LogScan& scan : log.scans)
     fleet.scans.push_back(robot_scan_json(log.header, scan, true).dump());
   return fleet;
 }

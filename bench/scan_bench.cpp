@@ -33,12 +33,12 @@ T value_of(Result<T> result) {
 
 struct Drives {
   Evaluation mapped;
-  RecordedLog robot;
+  evaluation::RecordedLog robot;
 };
 
 Drives simulate_drives() {
   const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  const RecordedLog mapping = value_of(simulate_drive(
+  const evaluation::RecordedLog mapping = value_of(simulate_drive(
       willow, {.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1}));
   return {map_from(mapping, mapping.scans.size(), {}),
           value_of(simulate_drive(willow,

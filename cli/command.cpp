@@ -78,7 +78,7 @@ CLI::Option* add_log(CLI::App& command, std::string& log) {
       ->check(CLI::ExistingPath);
 }
 
-void add_selection(CLI::App& command, LogSelection& selection) {
+void add_selection(CLI::App& command, evaluation::LogSelection& selection) {
   command.add_option("--lidar", selection.lidar,
                      "Topic of a bag, or message of a CARMEN log, with the scans to take (default: "
                      "the topic of the most beams, the message of the first scan)");

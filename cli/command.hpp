@@ -8,7 +8,7 @@
 
 #include <cornerfix/result.hpp>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -29,7 +29,7 @@ void warn(const std::string& where, const std::string& what);
 CLI::Option* add_log(CLI::App& command, std::string& log);
 
 /// --lidar, --odom, --height and --scan-time.
-void add_selection(CLI::App& command, LogSelection& selection);
+void add_selection(CLI::App& command, evaluation::LogSelection& selection);
 
 /// A finite number above 0, or not below 0. CLI11's own print the largest double in full.
 [[nodiscard]] CLI::Validator above_zero();

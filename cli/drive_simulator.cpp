@@ -212,19 +212,19 @@ void add_noise(LaserScan& scan, double noise_m, Random& random) {
 }
 
 /// Drives the way and records.
-std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>& way,
-                            const DriveOptions& options,
-                            const std::function<void(double)>& on_progress) {
+std::vector<evaluation::LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>& way,
+                                        const DriveOptions& options,
+                                        const std::function<void(double)>& on_progress) {
   const RayCaster caster(grid);
   const LaserScan lidar = lidar_of(options);
   Odometry odometry(options.drift, options.seed);
   Crowd crowd(options.people, way, options.seed);
   Random range_random(options.seed, Cause::kRanges);
 
-  std::vector<LogScan> scans;
+  std::vector<evaluation::LogScan> scans;
   scans.reserve(way.size());
   for (const Pose2& T_map_laser : way) {
-    LogScan recorded;
+    evaluation::LogScan recorded;
     recorded.scan = caster.scan(lidar, options.beams, T_map_laser);
     recorded.scan.stamp = options.start_s + static_cast<double>(scans.size()) * kScanPeriod;
     crowd.walk(T_map_laser.translation());
@@ -271,9 +271,10 @@ std::optional<Error> validate(const DriveOptions& options) {
   return std::nullopt;
 }
 
-Result<RecordedLog> simulate_drive(const OccupancyGrid& map, const DriveOptions& options,
-                                   const OccupancyGrid* inside,
-                                   const std::function<void(double)>& on_progress) {
+Result<evaluation::RecordedLog> simulate_drive(const OccupancyGrid& map,
+                                               const DriveOptions& options,
+                                               const OccupancyGrid* inside,
+                                               const std::function<void(double)>& on_progress) {
   if (auto error = validate(options)) return *error;
   const OccupancyGrid& real = inside != nullptr ? *inside : map;
   const std::array maps = {&real, &map};
@@ -286,7 +287,7 @@ Result<RecordedLog> simulate_drive(const OccupancyGrid& map, const DriveOptions&
 
   OccupancyGrid furnished = real;
   add_boxes(furnished, options.boxes, *way, options.seed);
-  RecordedLog log;
+  evaluation::RecordedLog log;
   log.header.lidar = lidar_of(options);
   log.header.beams = options.beams;
   log.scans = record(furnished, *way, options, on_progress);

@@ -10,7 +10,7 @@
 #include <cornerfix/occupancy_grid.hpp>
 #include <cornerfix/result.hpp>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -38,7 +38,7 @@ struct DriveOptions {
 /// \param inside       Where the robot really is, in the same frame as `map`, when the building
 ///                     has changed: rays are cast there, on a way that is free in both.
 /// \param on_progress  Called with the share that is done, in [0, 1]; may be empty.
-[[nodiscard]] Result<RecordedLog> simulate_drive(
+[[nodiscard]] Result<evaluation::RecordedLog> simulate_drive(
     const OccupancyGrid& map, const DriveOptions& options, const OccupancyGrid* inside = nullptr,
     const std::function<void(double)>& on_progress = {});
 

@@ -14,13 +14,13 @@
 #include "cli/evaluation.hpp"
 #include "cli/evaluation_report.hpp"
 #include "cli/explain.hpp"
-#include "cli/log_split.hpp"
 #include "cli/progress.hpp"
 #include "cli/report_score.hpp"
 #include "cli/single_scan.hpp"
 #include "cli/slam_run.hpp"
 #include "cli/trajectory_score.hpp"
 #include "cli/whole_log.hpp"
+#include "evaluation/datasets/log_split.hpp"
 
 namespace cornerfix::cli {
 
@@ -28,7 +28,7 @@ namespace {
 
 struct EvaluateArguments {
   std::string log;
-  LogSelection selection;
+  evaluation::LogSelection selection;
   std::string map_log;
   std::string other_map_log;
   std::string map_grid;
@@ -64,16 +64,16 @@ ShareDone show_on(Progress& progress) {
 
 /// The first scans of a log. SLAM's keyframes have SLAM's poses, moved as a whole to lie as near as
 /// possible to the reference poses.
-Result<RecordedLog> with_slam_poses(const RecordedLog& log, std::size_t end,
-                                    const EvaluationOptions& options) {
-  RecordedLog posed{log.header,
-                    {log.scans.begin(), log.scans.begin() + static_cast<std::ptrdiff_t>(end)}};
+Result<evaluation::RecordedLog> with_slam_poses(const evaluation::RecordedLog& log, std::size_t end,
+                                                const EvaluationOptions& options) {
+  evaluation::RecordedLog posed{
+      log.header, {log.scans.begin(), log.scans.begin() + static_cast<std::ptrdiff_t>(end)}};
   Progress progress("slam");
   const Result<SlamRun> run = run_slam(posed.scans, options.use_odometry, options.mapper,
                                        [&](double share) { progress.update(share); });
   if (!run) return run.error();
   const Pose2 T_map_slam = align_to_reference(posed.scans, run->T_map_laser);
-  for (LogScan& scan : posed.scans) {
+  for (evaluation::LogScan& scan : posed.scans) {
     scan.T_map_laser.reset();
     scan.is_key_scan = false;
   }
@@ -84,7 +84,7 @@ Result<RecordedLog> with_slam_poses(const RecordedLog& log, std::size_t end,
   return posed;
 }
 
-Evaluation map_at_poses(const RecordedLog& log, std::span<const std::size_t> mapping,
+Evaluation map_at_poses(const evaluation::RecordedLog& log, std::span<const std::size_t> mapping,
                         const MapperParams& params) {
   Progress progress("mapping");
   return map_from(log, mapping, params, show_on(progress));
@@ -92,30 +92,31 @@ Evaluation map_at_poses(const RecordedLog& log, std::span<const std::size_t> map
 
 /// The map of the scans with these indices, one at least; with SLAM, of all scans up to the last of
 /// them.
-Result<Evaluation> map_of(const RecordedLog& log, std::span<const std::size_t> mapping,
+Result<Evaluation> map_of(const evaluation::RecordedLog& log, std::span<const std::size_t> mapping,
                           const EvaluateArguments& arguments) {
   const MapperParams& params = arguments.options.mapper;
   if (!arguments.slam) return map_at_poses(log, mapping, params);
   const std::size_t end = mapping.back() + 1;
-  const Result<RecordedLog> found = with_slam_poses(log, end, arguments.options);
+  const Result<evaluation::RecordedLog> found = with_slam_poses(log, end, arguments.options);
   if (!found) return found.error();
-  return map_at_poses(*found, posed_scans(*found, 0, end), params);
+  return map_at_poses(*found, evaluation::posed_scans(*found, 0, end), params);
 }
 
 /// All scans of a log that can make a map marked as key scans, or only those that it marks itself.
-void mark_key_scans(RecordedLog& log) {
-  const bool are_marked = std::ranges::any_of(log.scans, &LogScan::is_key_scan);
-  for (LogScan& scan : log.scans) scan.is_key_scan = !are_marked || scan.is_key_scan;
+void mark_key_scans(evaluation::RecordedLog& log) {
+  const bool are_marked = std::ranges::any_of(log.scans, &evaluation::LogScan::is_key_scan);
+  for (evaluation::LogScan& scan : log.scans) scan.is_key_scan = !are_marked || scan.is_key_scan;
 }
 
 /// A log and those of later runs, as one.
-Result<RecordedLog> read_drives(const EvaluateArguments& arguments) {
-  Result<RecordedLog> log =
+Result<evaluation::RecordedLog> read_drives(const EvaluateArguments& arguments) {
+  Result<evaluation::RecordedLog> log =
       read_whole_log(arguments.mapping_log(), arguments.selection, arguments.stride);
   if (!log || arguments.update_logs.empty()) return log;
   mark_key_scans(*log);
   for (const std::string& path : arguments.update_logs) {
-    Result<RecordedLog> later = read_whole_log(path, arguments.selection, arguments.stride);
+    Result<evaluation::RecordedLog> later =
+        read_whole_log(path, arguments.selection, arguments.stride);
     if (!later) return later.error();
     mark_key_scans(*later);
     std::ranges::move(later->scans, std::back_inserter(log->scans));
@@ -123,9 +124,9 @@ Result<RecordedLog> read_drives(const EvaluateArguments& arguments) {
   return log;
 }
 
-Result<Evaluation> map_of_all(const RecordedLog& log, const std::string& path,
+Result<Evaluation> map_of_all(const evaluation::RecordedLog& log, const std::string& path,
                               const EvaluateArguments& arguments) {
-  const auto mapping = posed_scans(log, 0, log.scans.size());
+  const auto mapping = evaluation::posed_scans(log, 0, log.scans.size());
   if (mapping.empty()) {
     return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose", path};
   }
@@ -135,18 +136,19 @@ Result<Evaluation> map_of_all(const RecordedLog& log, const std::string& path,
 /// A map to search beside the right one: of all of a log, or of an occupancy map.
 Result<Evaluation> further_map(const std::string& path, const EvaluateArguments& arguments) {
   if (std::filesystem::path(path).extension() == ".yaml") {
-    RecordedLog nowhere;
+    evaluation::RecordedLog nowhere;
     nowhere.header.name = path;
     return map_from_floor_map(path, nowhere, arguments.options.mapper);
   }
-  const Result<RecordedLog> log = read_whole_log(path, arguments.selection, arguments.stride);
+  const Result<evaluation::RecordedLog> log =
+      read_whole_log(path, arguments.selection, arguments.stride);
   if (!log) return log.error();
   return map_of_all(*log, path, arguments);
 }
 
 /// The map of the given log, updated by those of later runs.
 Result<Evaluation> map_of_drives(const EvaluateArguments& arguments) {
-  const Result<RecordedLog> log = read_drives(arguments);
+  const Result<evaluation::RecordedLog> log = read_drives(arguments);
   if (!log) return log.error();
   return map_of_all(*log, arguments.mapping_log(), arguments);
 }
@@ -197,24 +199,25 @@ void parse_words(EvaluateArguments& arguments) {
 
 /// A log, the maps to ask it in, and the scans that ask.
 struct Task {
-  RecordedLog log;
+  evaluation::RecordedLog log;
   std::vector<std::size_t> asking;
   Evaluation evaluation;
   std::vector<LocalizationMapPtr> maps;  ///< The right one first.
 };
 
-Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) {
-  Result<RecordedLog> log = read_whole_log(arguments.log, arguments.selection, arguments.stride);
+Result<Task> prepare(const EvaluateArguments& arguments, const evaluation::LogSplit& split) {
+  Result<evaluation::RecordedLog> log =
+      read_whole_log(arguments.log, arguments.selection, arguments.stride);
   if (!log) return log.error();
   Task task{std::move(*log), {}, {}, {}};
   if (!arguments.map_grid.empty()) {
     Result<Evaluation> made =
         map_from_floor_map(arguments.map_grid, task.log, arguments.options.mapper);
     if (!made) return made.error();
-    task.asking = posed_scans(task.log, 0, task.log.scans.size());
+    task.asking = evaluation::posed_scans(task.log, 0, task.log.scans.size());
     task.evaluation = std::move(*made);
   } else if (arguments.mapping_log().empty()) {
-    DividedLog divided = divide(task.log, split);
+    evaluation::DividedLog divided = evaluation::divide(task.log, split);
     if (divided.mapping.empty()) {
       return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose in the part that maps",
                    arguments.log};
@@ -227,7 +230,7 @@ Result<Task> prepare(const EvaluateArguments& arguments, const LogSplit& split) 
   } else {
     Result<Evaluation> mapped = map_of_drives(arguments);
     if (!mapped) return mapped.error();
-    task.asking = posed_scans(task.log, 0, task.log.scans.size());
+    task.asking = evaluation::posed_scans(task.log, 0, task.log.scans.size());
     task.evaluation = std::move(*mapped);
   }
   if (task.asking.empty()) {
@@ -350,10 +353,10 @@ nlohmann::ordered_json report_json(const ReportScore& score) {
 
 int run_evaluate(EvaluateArguments& arguments) {
   parse_words(arguments);
-  const auto split = parse_log_split(arguments.split);
+  const auto split = evaluation::parse_log_split(arguments.split);
   if (!split)
     throw CLI::ValidationError("--split", "expected a share from 0 to 1 or blocks:METRES");
-  if (arguments.slam && std::holds_alternative<BlockSplit>(*split))
+  if (arguments.slam && std::holds_alternative<evaluation::BlockSplit>(*split))
     throw CLI::ValidationError("--slam", "needs a drive without gaps: --split with a share");
   Result<Task> task = prepare(arguments, *split);
   if (!task) return fail(task.error());

@@ -11,15 +11,15 @@
 #include <cornerfix/map_image.hpp>
 #include <cornerfix/mapper.hpp>
 
-#include "cli/log_split.hpp"
 #include "cli/processor_time.hpp"
+#include "evaluation/datasets/log_split.hpp"
 
 namespace cornerfix::cli {
 namespace {
 
-bool has_key_scans(const RecordedLog& log) {
+bool has_key_scans(const evaluation::RecordedLog& log) {
   return std::any_of(log.scans.begin(), log.scans.end(),
-                     [](const LogScan& scan) { return scan.is_key_scan; });
+                     [](const evaluation::LogScan& scan) { return scan.is_key_scan; });
 }
 
 /// Whether the scan at position `k` follows the one before it; otherwise another drive begins.
@@ -30,7 +30,7 @@ bool continues_at(std::span<const std::size_t> order, std::size_t k) {
 /// One robot from its switch-on to its verdict.
 class Drive {
  public:
-  Drive(const RecordedLog& log, std::span<const std::size_t> order,
+  Drive(const evaluation::RecordedLog& log, std::span<const std::size_t> order,
         const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
         const std::vector<Point2>& mapping_positions, const EvaluationOptions& options)
       : log_(log),
@@ -50,7 +50,7 @@ class Drive {
     std::size_t waiting = 0;
     for (std::size_t k = start; k < order_.size(); ++k) {
       if (k > start && !continues_at(order_, k)) break;
-      const LogScan& scan = scan_at(k);
+      const evaluation::LogScan& scan = scan_at(k);
       if (k > start) record_.driven_m += distance(*scan.T_map_laser, *scan_at(k - 1).T_map_laser);
       const Answer answer = take(scan);
       const bool key = !keyed_ || scan.is_key_scan;
@@ -67,7 +67,9 @@ class Drive {
   }
 
  private:
-  [[nodiscard]] const LogScan& scan_at(std::size_t k) const { return log_.scans[order_[k]]; }
+  [[nodiscard]] const evaluation::LogScan& scan_at(std::size_t k) const {
+    return log_.scans[order_[k]];
+  }
 
   [[nodiscard]] ScoredRobot make_localizer() const {
     LocalizerParams params = options_.localizer;
@@ -76,7 +78,7 @@ class Drive {
     return [localizer](const RobotScan& scan) { return localizer->process(scan); };
   }
 
-  [[nodiscard]] double nearest_mapping(const LogScan& scan) const {
+  [[nodiscard]] double nearest_mapping(const evaluation::LogScan& scan) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Point2& mapped : mapping_positions_) {
       nearest = std::min(nearest, (mapped - scan.T_map_laser->translation()).norm());
@@ -84,14 +86,14 @@ class Drive {
     return nearest;
   }
 
-  [[nodiscard]] std::optional<Pose2> odometry_at(const LogScan& scan) {
+  [[nodiscard]] std::optional<Pose2> odometry_at(const evaluation::LogScan& scan) {
     if (!options_.use_odometry || !scan.T_odom_laser) return std::nullopt;
     if (!fault_) return scan.T_odom_laser;
     return fault_->corrupt(scan.scan.stamp, *scan.T_odom_laser);
   }
 
   /// What a search of the whole map believed, and whether it was right.
-  void note_search(const Answer& answer, const LogScan& scan) {
+  void note_search(const Answer& answer, const evaluation::LogScan& scan) {
     if (!answer.searched || answer.hypotheses.empty()) return;
     const RankedHypothesis& best = answer.hypotheses.front();
     const bool right =
@@ -106,7 +108,7 @@ class Drive {
          answer.terms});
   }
 
-  Answer take(const LogScan& scan) {
+  Answer take(const evaluation::LogScan& scan) {
     RobotScan robot_scan{scan.scan, {}, {}};
     if (options_.mirror) std::reverse(robot_scan.scan.ranges.begin(), robot_scan.scan.ranges.end());
     robot_scan.T_odom_base_link = odometry_at(scan);
@@ -160,7 +162,7 @@ class Drive {
     record_.right_after = judge_.judged() - 1 - record_.wrong_after;
   }
 
-  const RecordedLog& log_;
+  const evaluation::RecordedLog& log_;
   std::span<const std::size_t> order_;
   const std::vector<LocalizationMapPtr>& maps_;
   std::size_t right_map_;
@@ -175,9 +177,9 @@ class Drive {
 
 }  // namespace
 
-std::size_t split_index(const RecordedLog& log, double share) {
+std::size_t split_index(const evaluation::RecordedLog& log, double share) {
   std::size_t posed = 0;
-  for (const LogScan& scan : log.scans) posed += scan.T_map_laser ? 1 : 0;
+  for (const evaluation::LogScan& scan : log.scans) posed += scan.T_map_laser ? 1 : 0;
   const auto wanted = static_cast<std::size_t>(static_cast<double>(posed) * share);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
@@ -187,10 +189,12 @@ std::size_t split_index(const RecordedLog& log, double share) {
   return log.scans.size();
 }
 
-std::vector<std::size_t> countable_starts(const RecordedLog& log,
+std::vector<std::size_t> countable_starts(const evaluation::RecordedLog& log,
                                           std::span<const std::size_t> asking, double way_m,
                                           double time_s) {
-  const auto scan_at = [&](std::size_t k) -> const LogScan& { return log.scans[asking[k]]; };
+  const auto scan_at = [&](std::size_t k) -> const evaluation::LogScan& {
+    return log.scans[asking[k]];
+  };
   std::vector<double> driven_m(asking.size(), 0.0);
   for (std::size_t k = 1; k < asking.size(); ++k) {
     driven_m[k] = driven_m[k - 1] + distance(*scan_at(k).T_map_laser, *scan_at(k - 1).T_map_laser);
@@ -207,18 +211,19 @@ std::vector<std::size_t> countable_starts(const RecordedLog& log,
   return starts;
 }
 
-Evaluation map_from(const RecordedLog& log, std::size_t end, const MapperParams& params) {
-  return map_from(log, posed_scans(log, 0, end), params);
+Evaluation map_from(const evaluation::RecordedLog& log, std::size_t end,
+                    const MapperParams& params) {
+  return map_from(log, evaluation::posed_scans(log, 0, end), params);
 }
 
-Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
+Evaluation map_from(const evaluation::RecordedLog& log, std::span<const std::size_t> mapping,
                     const MapperParams& params, const ShareDone& progress) {
   const bool keyed = has_key_scans(log);
   const double begin = thread_ms();
   Evaluation evaluation;
   Mapper mapper(params);
   for (std::size_t k = 0; k < mapping.size(); ++k) {
-    const LogScan& scan = log.scans[mapping[k]];
+    const evaluation::LogScan& scan = log.scans[mapping[k]];
     if (progress) progress(k + 1, mapping.size());
     if (keyed && !scan.is_key_scan) continue;
     evaluation.mapping_positions.push_back(scan.T_map_laser->translation());
@@ -231,7 +236,8 @@ Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping
   return evaluation;
 }
 
-Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const RecordedLog& log,
+Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
+                                      const evaluation::RecordedLog& log,
                                       const MapperParams& params) {
   const Result<OccupancyGrid> floor_map = read_map_files(yaml);
   if (!floor_map) return floor_map.error();
@@ -245,7 +251,7 @@ Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const R
       std::make_shared<const LocalizationMap>(log.header.name, 1, std::move(map->content));
   const OccupancyGrid& grid = evaluation.map->grid();
   const Pose2 T_grid_map = inverse(grid.T_map_grid);
-  for (const LogScan& scan : log.scans) {
+  for (const evaluation::LogScan& scan : log.scans) {
     if (!scan.T_map_laser) continue;
     const Point2 position_map = scan.T_map_laser->translation();
     if (grid.at(grid.cell_of(T_grid_map * position_map)) == Cell::kFree)
@@ -255,16 +261,17 @@ Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const R
   return evaluation;
 }
 
-std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
+std::vector<StartRecord> evaluate(const evaluation::RecordedLog& log, std::size_t begin,
                                   const std::vector<LocalizationMapPtr>& maps,
                                   std::size_t right_map,
                                   const std::vector<Point2>& mapping_positions,
                                   const EvaluationOptions& options, const ShareDone& progress) {
-  return evaluate(log, posed_scans(log, begin, log.scans.size()), maps, right_map,
+  return evaluate(log, evaluation::posed_scans(log, begin, log.scans.size()), maps, right_map,
                   mapping_positions, options, progress);
 }
 
-std::vector<StartRecord> evaluate(const RecordedLog& log, std::span<const std::size_t> order,
+std::vector<StartRecord> evaluate(const evaluation::RecordedLog& log,
+                                  std::span<const std::size_t> order,
                                   const std::vector<LocalizationMapPtr>& maps,
                                   std::size_t right_map,
                                   const std::vector<Point2>& mapping_positions,

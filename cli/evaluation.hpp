@@ -15,7 +15,7 @@
 #include <cornerfix/mapper.hpp>
 
 #include "cli/in_parallel.hpp"
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 #include "evaluation/metrics/answer_judge.hpp"
 #include "evaluation/metrics/reliability.hpp"
 #include "evaluation/simulation/odometry_fault.hpp"
@@ -42,7 +42,7 @@ struct EvaluationOptions {
   LocalizerParams localizer;
   /// The method that is started: a Localizer when empty. It gets the first scan with its reference
   /// pose, for methods that need an initial pose; called from any thread.
-  std::function<ScoredRobot(const LogScan&)> make_robot;
+  std::function<ScoredRobot(const evaluation::LogScan&)> make_robot;
 };
 
 enum class Verdict { kFixed, kFalse, kNone };
@@ -102,25 +102,26 @@ struct Evaluation {
 };
 
 /// The map of the posed scans before `end`, as a server would make it; no records yet.
-[[nodiscard]] Evaluation map_from(const RecordedLog& log, std::size_t end,
+[[nodiscard]] Evaluation map_from(const evaluation::RecordedLog& log, std::size_t end,
                                   const MapperParams& params);
 /// The same of the posed scans with these indices.
-[[nodiscard]] Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping,
-                                  const MapperParams& params, const ShareDone& progress = {});
+[[nodiscard]] Evaluation map_from(const evaluation::RecordedLog& log,
+                                  std::span<const std::size_t> mapping, const MapperParams& params,
+                                  const ShareDone& progress = {});
 
 /// The map of a ROS occupancy map alone; where `log` drives through its free space counts as
 /// mapped. Says on stderr what map_from_grid() warns of.
 [[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
-                                                    const RecordedLog& log,
+                                                    const evaluation::RecordedLog& log,
                                                     const MapperParams& params);
 
 /// Scans before the split; all of them for a map log.
-[[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
+[[nodiscard]] std::size_t split_index(const evaluation::RecordedLog& log, double share);
 
 /// Positions in `asking` at which a start counts: the log drives on without a gap for `way_m` or
 /// for `time_s`. Known before anything is asked, so that no answer can take a start out of the
 /// count.
-[[nodiscard]] std::vector<std::size_t> countable_starts(const RecordedLog& log,
+[[nodiscard]] std::vector<std::size_t> countable_starts(const evaluation::RecordedLog& log,
                                                         std::span<const std::size_t> asking,
                                                         double way_m, double time_s);
 
@@ -131,14 +132,15 @@ inline constexpr std::size_t kNoMap =
 /// Starts are spread evenly over the scans that have enough log ahead. If no
 /// scan has, they are spread over all scans and none of the records counts. \param
 /// mapping_positions  Where the right map was made from.
-[[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
+[[nodiscard]] std::vector<StartRecord> evaluate(const evaluation::RecordedLog& log,
+                                                std::size_t begin,
                                                 const std::vector<LocalizationMapPtr>& maps,
                                                 std::size_t right_map,
                                                 const std::vector<Point2>& mapping_positions,
                                                 const EvaluationOptions& options,
                                                 const ShareDone& progress);
 /// The same of the posed scans with these indices, ascending; a gap between them ends a run.
-[[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log,
+[[nodiscard]] std::vector<StartRecord> evaluate(const evaluation::RecordedLog& log,
                                                 std::span<const std::size_t> asking,
                                                 const std::vector<LocalizationMapPtr>& maps,
                                                 std::size_t right_map,

@@ -177,15 +177,15 @@ class Panel {
 
 }  // namespace
 
-Explanation explain(const RecordedLog& log, std::span<const std::size_t> asking, std::size_t start,
-                    const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
-                    const std::vector<Point2>& mapping_positions,
+Explanation explain(const evaluation::RecordedLog& log, std::span<const std::size_t> asking,
+                    std::size_t start, const std::vector<LocalizationMapPtr>& maps,
+                    std::size_t right_map, const std::vector<Point2>& mapping_positions,
                     const EvaluationOptions& options) {
   Explanation explanation;
   EvaluationOptions one = options;
   one.starts = 1;
   one.threads = 1;
-  one.make_robot = [&](const LogScan&) -> ScoredRobot {
+  one.make_robot = [&](const evaluation::LogScan&) -> ScoredRobot {
     const auto robot =
         std::make_shared<ExplainedRobot>(maps, options.localizer, start, explanation.decision);
     return [robot](const RobotScan& scan) { return robot->process(scan); };

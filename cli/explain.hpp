@@ -32,8 +32,9 @@ struct Explanation {
 /// Drives one robot from the scan `start` of the log as evaluate() does. A second localizer that
 /// accepts nothing goes beside it, since an answer with a pose no longer lists the rivals.
 /// `asking` holds `start`.
-[[nodiscard]] Explanation explain(const RecordedLog& log, std::span<const std::size_t> asking,
-                                  std::size_t start, const std::vector<LocalizationMapPtr>& maps,
+[[nodiscard]] Explanation explain(const evaluation::RecordedLog& log,
+                                  std::span<const std::size_t> asking, std::size_t start,
+                                  const std::vector<LocalizationMapPtr>& maps,
                                   std::size_t right_map,
                                   const std::vector<Point2>& mapping_positions,
                                   const EvaluationOptions& options);

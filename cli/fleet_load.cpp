@@ -26,8 +26,8 @@ Clock::duration duration_of(double seconds) {
 /// The scans of a log, rendered once: a stamp is all that changes from one use to the next.
 class FleetScans {
  public:
-  explicit FleetScans(const RecordedLog& log) : lidar_(lidar_json(log.header)) {
-    for (const LogScan& scan : log.scans) {
+  explicit FleetScans(const evaluation::RecordedLog& log) : lidar_(lidar_json(log.header)) {
+    for (const evaluation::LogScan& scan : log.scans) {
       nlohmann::ordered_json json = robot_scan_json(log.header, scan, true);
       json.erase("stamp");
       scans_.push_back(json.dump().substr(1));
@@ -181,7 +181,7 @@ void BatchTally::add(const BatchTally& other) {
   for (const auto& [status, count] : other.other_statuses) other_statuses[status] += count;
 }
 
-Result<FleetReport> run_fleet(const FleetOptions& options, const RecordedLog& log) {
+Result<FleetReport> run_fleet(const FleetOptions& options, const evaluation::RecordedLog& log) {
   Result<HttpClient> observer = HttpClient::create(options.server);
   if (!observer) return observer.error();
   if (auto alive = observer->send({.method = "GET", .path = "/healthz"}); !alive)

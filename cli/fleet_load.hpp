@@ -9,7 +9,7 @@
 #include <cornerfix/result.hpp>
 
 #include "cli/http_request.hpp"
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -50,6 +50,7 @@ struct FleetReport {
 
 /// Robots go along `log` and back again, each from another place in it. Sessions are deleted at the
 /// end. A robot whose batch was shed posts its next scans with the same sequence.
-[[nodiscard]] Result<FleetReport> run_fleet(const FleetOptions& options, const RecordedLog& log);
+[[nodiscard]] Result<FleetReport> run_fleet(const FleetOptions& options,
+                                            const evaluation::RecordedLog& log);
 
 }  // namespace cornerfix::cli

@@ -18,7 +18,7 @@ namespace {
 struct LoadArguments {
   FleetOptions fleet;
   std::string log;
-  LogSelection selection;
+  evaluation::LogSelection selection;
   bool json = false;
 };
 
@@ -91,7 +91,7 @@ void print_text(const FleetReport& report) {
 }
 
 int run_load(const LoadArguments& arguments) {
-  const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.selection);
+  const Result<evaluation::RecordedLog> log = read_whole_log(arguments.log, arguments.selection);
   if (!log) return fail(log.error());
   const Result<FleetReport> report = run_fleet(arguments.fleet, *log);
   if (!report) return fail(report.error());

@@ -34,12 +34,12 @@ std::string file_name(const std::string& path) {
 
 /// What a batch added, and where the map stands after it.
 using Growth = server::MapGrowthReport;
-using AddBatch = std::function<Result<Growth>(std::span<const LogScan>)>;
+using AddBatch = std::function<Result<Growth>(std::span<const evaluation::LogScan>)>;
 
-std::vector<LogScan> next_batch(MappingScans& scans) {
-  std::vector<LogScan> batch;
+std::vector<evaluation::LogScan> next_batch(evaluation::MappingScans& scans) {
+  std::vector<evaluation::LogScan> batch;
   while (batch.size() < kScansPerBatch) {
-    std::optional<LogScan> scan = scans.next();
+    std::optional<evaluation::LogScan> scan = scans.next();
     if (!scan) break;
     batch.push_back(std::move(*scan));
   }
@@ -47,7 +47,8 @@ std::vector<LogScan> next_batch(MappingScans& scans) {
 }
 
 /// Adds all scans, a batch after the other. Returns where the map stands in the end.
-Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress* progress) {
+Result<Growth> add_in_batches(evaluation::MappingScans& scans, const AddBatch& add,
+                              Progress* progress) {
   Growth total;
   for (auto batch = next_batch(scans); !batch.empty(); batch = next_batch(scans)) {
     Result<Growth> growth = add(batch);
@@ -70,7 +71,7 @@ struct KnownOfMap {
 
 /// Description and lidar from the log, as far as the map has none; nothing when it has both.
 std::optional<std::string> description_body(const MapBuildArguments& arguments,
-                                            const LogHeader& header,
+                                            const evaluation::LogHeader& header,
                                             const std::optional<KnownOfMap>& known) {
   nlohmann::ordered_json body;
   if (known && known->is_floor_map) return std::nullopt;
@@ -82,10 +83,10 @@ std::optional<std::string> description_body(const MapBuildArguments& arguments,
 
 // --- over HTTP ----------------------------------------------------------------------------------
 
-HttpRequest batch_request(const std::string& map, const LogHeader& header,
-                          std::span<const LogScan> scans, bool without_poses) {
+HttpRequest batch_request(const std::string& map, const evaluation::LogHeader& header,
+                          std::span<const evaluation::LogScan> scans, bool without_poses) {
   auto list = nlohmann::ordered_json::array();
-  for (const LogScan& scan : scans)
+  for (const evaluation::LogScan& scan : scans)
     list.push_back(without_poses ? robot_scan_json(header, scan, true)
                                  : posed_scan_json(header, scan));
   const nlohmann::ordered_json body = {{"lidar", lidar_json(header)}, {"scans", std::move(list)}};
@@ -103,7 +104,7 @@ Growth growth_from_json(const nlohmann::json& answer) {
 
 /// Makes the map, or adds the description and lidar that it does not have.
 Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arguments,
-                          const LogHeader& header) {
+                          const evaluation::LogHeader& header) {
   const std::string path = "/v1/maps/" + percent_encode(arguments.name);
   std::optional<KnownOfMap> known;
   if (!server.is_printing()) {
@@ -120,13 +121,14 @@ Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arg
   return {};
 }
 
-Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans& scans) {
-  const LogHeader& header = scans.log().header();
+Result<Growth> build_over_http(const MapBuildArguments& arguments,
+                               evaluation::MappingScans& scans) {
+  const evaluation::LogHeader& header = scans.log().header();
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return server.error();
   const Result<void> described = describe_map(*server, arguments, header);
   if (!described) return described.error();
-  const auto add = [&](std::span<const LogScan> batch) -> Result<Growth> {
+  const auto add = [&](std::span<const evaluation::LogScan> batch) -> Result<Growth> {
     const auto answer =
         server->call(batch_request(arguments.name, header, batch, arguments.scans.without_poses));
     if (!answer) return answer.error();
@@ -148,7 +150,7 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans&
 
 /// What the request checks over HTTP is checked here as well.
 Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
-                          const LogHeader& header) {
+                          const evaluation::LogHeader& header) {
   const auto map = library.find(arguments.name);
   if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
   std::optional<KnownOfMap> known;
@@ -164,23 +166,24 @@ Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& 
   return {};
 }
 
-std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
+std::vector<PosedScan> posed_scans(std::span<const evaluation::LogScan> scans) {
   std::vector<PosedScan> posed;
   posed.reserve(scans.size());
-  for (const LogScan& scan : scans)
+  for (const evaluation::LogScan& scan : scans)
     posed.push_back({as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
   return posed;
 }
 
-std::vector<RobotScan> robot_scans(std::span<const LogScan> scans) {
+std::vector<RobotScan> robot_scans(std::span<const evaluation::LogScan> scans) {
   std::vector<RobotScan> robot;
   robot.reserve(scans.size());
-  for (const LogScan& scan : scans)
+  for (const evaluation::LogScan& scan : scans)
     robot.push_back({as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
   return robot;
 }
 
-Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans& scans) {
+Result<Growth> build_into_file(const MapBuildArguments& arguments,
+                               evaluation::MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
   server::MapLibrary library(*stores, {}, utc_now_text);
@@ -189,7 +192,7 @@ Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans&
   Progress progress("mapping");
   Result<Growth> growth = add_in_batches(
       scans,
-      [&](std::span<const LogScan> batch) {
+      [&](std::span<const evaluation::LogScan> batch) {
         return arguments.scans.without_poses ? library.grow(arguments.name, robot_scans(batch))
                                              : library.grow(arguments.name, posed_scans(batch));
       },
@@ -206,10 +209,16 @@ Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans&
   return growth;
 }
 
+Result<evaluation::MappingScans> open_mapping_scans(const MapBuildArguments& arguments) {
+  Progress progress("reading");
+  return evaluation::MappingScans::open(arguments.log, arguments.scans,
+                                        [&](double share) { progress.update(share); });
+}
+
 }  // namespace
 
 int run_map_build(const MapBuildArguments& arguments) {
-  Result<MappingScans> scans = MappingScans::open(arguments.log, arguments.scans);
+  Result<evaluation::MappingScans> scans = open_mapping_scans(arguments);
   if (!scans) return fail(scans.error());
   const Result<Growth> growth = arguments.database.empty() ? build_over_http(arguments, *scans)
                                                            : build_into_file(arguments, *scans);

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "cli/mapping_scans.hpp"
 #include "cli/server_connection.hpp"
+#include "evaluation/datasets/mapping_scans.hpp"
 
 namespace cornerfix::cli {
 
@@ -13,7 +13,7 @@ struct MapBuildArguments {
   std::string database;  ///< Where to write instead of asking a server; empty for the server.
   std::string name;
   std::string log;
-  MappingScanOptions scans;
+  evaluation::MappingScanOptions scans;
 };
 
 /// Returns the exit code.

@@ -11,10 +11,11 @@
 
 #include "cli/command.hpp"
 #include "cli/degrees.hpp"
-#include "cli/log_position.hpp"
-#include "cli/log_survey.hpp"
+#include "cli/progress.hpp"
 #include "cli/scan_json.hpp"
 #include "cli/server_connection.hpp"
+#include "evaluation/datasets/log_position.hpp"
+#include "evaluation/datasets/log_survey.hpp"
 
 namespace cornerfix::cli {
 
@@ -23,10 +24,10 @@ namespace {
 struct ReplayArguments {
   ConnectionOptions connection;
   std::string log;
-  LogSelection selection;
+  evaluation::LogSelection selection;
   std::string map;
   std::string robot = "replay";
-  LogPosition from;
+  evaluation::LogPosition from;
   double split = 0.0;
   std::size_t batch = 5;
   double rate = 0.0;
@@ -36,10 +37,16 @@ struct ReplayArguments {
 };
 
 /// The way from one scan to the next, by the reference poses or else by odometry [m].
-double way_between(const LogScan& from, const LogScan& to) {
+double way_between(const evaluation::LogScan& from, const evaluation::LogScan& to) {
   if (from.T_map_laser && to.T_map_laser) return distance(*from.T_map_laser, *to.T_map_laser);
   if (from.T_odom_laser && to.T_odom_laser) return distance(*from.T_odom_laser, *to.T_odom_laser);
   return 0.0;
+}
+
+Result<evaluation::LogSurvey> survey_with_progress(const ReplayArguments& arguments) {
+  Progress progress("reading");
+  return evaluation::survey_log(arguments.log, arguments.selection, 1,
+                                [&](double share) { progress.update(share); });
 }
 
 /// The scans that a robot posts: those behind the share that made the map, from where it is
@@ -49,11 +56,12 @@ class RobotScans {
   [[nodiscard]] static Result<RobotScans> open(const ReplayArguments& arguments) {
     std::size_t left_out = 0;
     if (arguments.split > 0.0) {
-      const Result<LogSurvey> survey = survey_log(arguments.log, arguments.selection);
+      const Result<evaluation::LogSurvey> survey = survey_with_progress(arguments);
       if (!survey) return survey.error();
       left_out = survey->posed_scans_in(arguments.split);
     }
-    Result<LogReader> reader = LogReader::open(arguments.log, arguments.selection);
+    Result<evaluation::LogReader> reader =
+        evaluation::LogReader::open(arguments.log, arguments.selection);
     if (!reader) return reader.error();
     RobotScans scans(std::move(*reader));
     if (scans.go_to(left_out, arguments.from)) return scans;
@@ -61,10 +69,11 @@ class RobotScans {
   }
 
   /// The next `size` scans, fewer at the end of the log or of a run.
-  std::vector<LogScan> next_batch(std::size_t size) {
-    std::vector<LogScan> batch;
+  std::vector<evaluation::LogScan> next_batch(std::size_t size) {
+    std::vector<evaluation::LogScan> batch;
     while (batch.size() < size) {
-      std::optional<LogScan> scan = ahead_ ? std::exchange(ahead_, std::nullopt) : reader_.next();
+      std::optional<evaluation::LogScan> scan =
+          ahead_ ? std::exchange(ahead_, std::nullopt) : reader_.next();
       if (!scan) break;
       if (scan->begins_run && !batch.empty()) {
         ahead_ = std::move(scan);
@@ -75,22 +84,22 @@ class RobotScans {
     return batch;
   }
 
-  [[nodiscard]] const LogReader& log() const { return reader_; }
+  [[nodiscard]] const evaluation::LogReader& log() const { return reader_; }
 
  private:
-  explicit RobotScans(LogReader reader) : reader_(std::move(reader)) {}
+  explicit RobotScans(evaluation::LogReader reader) : reader_(std::move(reader)) {}
 
   /// False when the log ends before.
-  bool go_to(std::size_t left_out, const LogPosition& from) {
+  bool go_to(std::size_t left_out, const evaluation::LogPosition& from) {
     std::size_t index = 0;
     std::optional<double> first_stamp;
-    while (std::optional<LogScan> scan = reader_.next()) {
+    while (std::optional<evaluation::LogScan> scan = reader_.next()) {
       if (left_out > 0) {
         left_out -= scan->T_map_laser ? 1 : 0;
         continue;
       }
       if (!first_stamp) first_stamp = scan->scan.stamp;
-      if (is_reached(from, index++, scan->scan.stamp - *first_stamp)) {
+      if (evaluation::is_reached(from, index++, scan->scan.stamp - *first_stamp)) {
         ahead_ = std::move(scan);
         return true;
       }
@@ -98,21 +107,21 @@ class RobotScans {
     return false;
   }
 
-  LogReader reader_;
-  std::optional<LogScan> ahead_;  ///< Read, but not given out.
+  evaluation::LogReader reader_;
+  std::optional<evaluation::LogScan> ahead_;  ///< Read, but not given out.
 };
 
 /// Metres driven so far.
 class Way {
  public:
-  void add(const LogScan& scan) {
+  void add(const evaluation::LogScan& scan) {
     if (last_ && !scan.begins_run) way_m_ += way_between(*last_, scan);
     last_ = {{}, scan.T_odom_laser, scan.T_map_laser};
   }
   [[nodiscard]] double m() const { return way_m_; }
 
  private:
-  std::optional<LogScan> last_;  ///< Its poses.
+  std::optional<evaluation::LogScan> last_;  ///< Its poses.
   double way_m_ = 0.0;
 };
 
@@ -143,7 +152,8 @@ std::string reason_text(const nlohmann::json& answer) {
 }
 
 /// Seconds, metres, status, then the pose beside the true one, or why there is none.
-void print_answer(const nlohmann::json& answer, double seconds, double way, const LogScan& last) {
+void print_answer(const nlohmann::json& answer, double seconds, double way,
+                  const evaluation::LogScan& last) {
   std::printf("%8.1f s %7.2f m  %-10s", seconds, way, answer.value("status", "?").c_str());
   const auto pose_member = answer.find("pose");
   const auto pose = pose_member == answer.end() ? std::nullopt : pose_from_json(*pose_member);
@@ -163,7 +173,8 @@ void print_answer(const nlohmann::json& answer, double seconds, double way, cons
 /// One robot: a session that posts a log's scans batch by batch.
 class Robot {
  public:
-  Robot(const ReplayArguments& arguments, const LogHeader& header, ServerConnection& server)
+  Robot(const ReplayArguments& arguments, const evaluation::LogHeader& header,
+        ServerConnection& server)
       : arguments_(arguments), header_(header), server_(server) {}
 
   Result<void> switch_on() {
@@ -178,9 +189,9 @@ class Robot {
     return {};
   }
 
-  Result<nlohmann::json> post(std::span<const LogScan> batch) {
+  Result<nlohmann::json> post(std::span<const evaluation::LogScan> batch) {
     auto scans = nlohmann::ordered_json::array();
-    for (const LogScan& scan : batch) {
+    for (const evaluation::LogScan& scan : batch) {
       scans.push_back(robot_scan_json(header_, scan, !arguments_.no_odometry));
     }
     const nlohmann::ordered_json body = {{"sequence", sequence_++}, {"scans", std::move(scans)}};
@@ -202,7 +213,7 @@ class Robot {
 
  private:
   const ReplayArguments& arguments_;
-  const LogHeader& header_;
+  const evaluation::LogHeader& header_;
   ServerConnection& server_;
   std::string session_;
   std::size_t sequence_ = 0;
@@ -226,7 +237,7 @@ class Pace {
 /// Seconds of log time since the first scan, without the pauses between runs.
 class LogClock {
  public:
-  void add(std::span<const LogScan> batch) {
+  void add(std::span<const evaluation::LogScan> batch) {
     const double begin = batch.front().scan.stamp;
     if (last_ && !batch.front().begins_run) seconds_ += begin - *last_;
     last_ = batch.back().scan.stamp;
@@ -243,7 +254,8 @@ class LogClock {
 // The move constructor that nlohmann::json declares noexcept checks an invariant that holds.
 class ChangePrinter {  // NOLINT(bugprone-exception-escape)
  public:
-  void add(nlohmann::json answer, double seconds, double way, const LogScan& last_scan) {
+  void add(nlohmann::json answer, double seconds, double way,
+           const evaluation::LogScan& last_scan) {
     const bool is_change = status(answer) != status(answer_);
     answer_ = std::move(answer);
     seconds_ = seconds;
@@ -272,7 +284,7 @@ class ChangePrinter {  // NOLINT(bugprone-exception-escape)
   nlohmann::json answer_;
   double seconds_ = 0.0;
   double way_ = 0.0;
-  std::optional<LogScan> last_scan_;
+  std::optional<evaluation::LogScan> last_scan_;
   bool is_printed_ = false;
 };
 
@@ -287,7 +299,7 @@ Result<bool> drive(Robot& robot, const ReplayArguments& arguments, RobotScans& s
   for (auto batch = scans.next_batch(arguments.batch); !batch.empty();
        batch = scans.next_batch(arguments.batch)) {
     clock.add(batch);
-    for (const LogScan& scan : batch) way.add(scan);
+    for (const evaluation::LogScan& scan : batch) way.add(scan);
     pace.wait_until(clock.seconds());
     if (batch.front().begins_run) {
       if (const auto reset = robot.reset(); !reset) return reset.error();
@@ -313,7 +325,7 @@ int run_replay(const ReplayArguments& arguments) {
   if (!on) return fail(on.error());
   const Result<bool> localized = drive(robot, arguments, *scans, server->is_printing());
   const std::optional<Error> lost = scans->log().most_scans_lost();
-  if (!lost) warn(arguments.log, remarks(scans->log()));
+  if (!lost) warn(arguments.log, evaluation::remarks(scans->log()));
   if (!arguments.keep_session) {
     const Result<void> off = robot.switch_off();
     if (localized && !off) return fail(off.error());
@@ -338,7 +350,7 @@ void add_options(CLI::App& command, ReplayArguments& arguments) {
       .add_option_function<std::string>(
           "--from",
           [&arguments](const std::string& text) {
-            const auto from = parse_log_position(text);
+            const auto from = evaluation::parse_log_position(text);
             if (!from) throw CLI::ValidationError("--from", "expected a number, or one with s");
             arguments.from = *from;
           },

@@ -90,7 +90,7 @@ double predicted_way_m(const LocalizabilityReport& report, const Pose2& T_map_st
   return weights > 0.0 ? sum / weights : report.way_limit_m;
 }
 
-ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
+ReportScore score_report(const evaluation::RecordedLog& log, const Evaluation& evaluation,
                          const EvaluationOptions& options) {
   LocalizabilityParams params;
   params.way_m = options.way_m;

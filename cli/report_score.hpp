@@ -31,7 +31,8 @@ struct ReportScore {
 [[nodiscard]] double predicted_way_m(const LocalizabilityReport& report, const Pose2& T_map_start);
 
 /// Robots are simulated with the lidar of the log's first scan.
-[[nodiscard]] ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
+[[nodiscard]] ReportScore score_report(const evaluation::RecordedLog& log,
+                                       const Evaluation& evaluation,
                                        const EvaluationOptions& options);
 
 }  // namespace cornerfix::cli

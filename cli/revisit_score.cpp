@@ -75,7 +75,7 @@ bool is_same(const Pose2& a, const Pose2& b) {
 }
 
 /// What the two scans say, wherever one begins to lay them on each other.
-std::optional<Pose2> registered(std::span<const LogScan> scans, const ScanPair& pair,
+std::optional<Pose2> registered(std::span<const evaluation::LogScan> scans, const ScanPair& pair,
                                 std::span<const std::vector<Pose2>> trajectories) {
   std::vector<Registration> found;
   for (const std::vector<Pose2>& trajectory : trajectories) {
@@ -95,7 +95,8 @@ std::optional<Pose2> registered(std::span<const LogScan> scans, const ScanPair& 
 
 }  // namespace
 
-RevisitScore score_revisits(std::span<const LogScan> scans, std::span<const std::size_t> indices,
+RevisitScore score_revisits(std::span<const evaluation::LogScan> scans,
+                            std::span<const std::size_t> indices,
                             std::span<const std::vector<Pose2>> trajectories) {
   RevisitScore score;
   score.errors.resize(trajectories.size(), {.way_m = kLeastWay, .errors_m = {}, .errors_rad = {}});

@@ -11,8 +11,8 @@
 
 #include <cornerfix/pose2.hpp>
 
-#include "cli/log_reader.hpp"
 #include "cli/trajectory_score.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -30,7 +30,7 @@ struct RevisitScore {
 /// registered from where each trajectory has them. Where that gives different poses (1 cm, 0.2
 /// deg), the one with clearly more points on walls is used. So a trajectory that is far off gets a
 /// large error. If none has clearly more, the pair is undecided.
-[[nodiscard]] RevisitScore score_revisits(std::span<const LogScan> scans,
+[[nodiscard]] RevisitScore score_revisits(std::span<const evaluation::LogScan> scans,
                                           std::span<const std::size_t> indices,
                                           std::span<const std::vector<Pose2>> trajectories);
 

@@ -24,13 +24,13 @@ nlohmann::ordered_json geometry_json(const LaserScan& lidar) {
   return json;
 }
 
-nlohmann::ordered_json scan_json(const LogHeader& header, const LaserScan& scan) {
+nlohmann::ordered_json scan_json(const evaluation::LogHeader& header, const LaserScan& scan) {
   auto ranges = nlohmann::ordered_json::array();
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     ranges.push_back(range_json(scan, beam));
   }
   nlohmann::ordered_json json = {{"stamp", scan.stamp}};
-  if (!has_lidar_of(header, scan)) json.update(geometry_json(scan));
+  if (!evaluation::has_lidar_of(header, scan)) json.update(geometry_json(scan));
   json["ranges"] = std::move(ranges);
   return json;
 }
@@ -41,7 +41,7 @@ nlohmann::ordered_json pose_json(const Pose2& pose) {
   return {{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}};
 }
 
-nlohmann::ordered_json lidar_json(const LogHeader& header) {
+nlohmann::ordered_json lidar_json(const evaluation::LogHeader& header) {
   nlohmann::ordered_json json = geometry_json(header.lidar);
   json["beams"] = header.beams;
   return json;
@@ -52,14 +52,15 @@ LaserScan as_sent(LaserScan scan) {
   return scan;
 }
 
-nlohmann::ordered_json posed_scan_json(const LogHeader& header, const LogScan& scan) {
+nlohmann::ordered_json posed_scan_json(const evaluation::LogHeader& header,
+                                       const evaluation::LogScan& scan) {
   nlohmann::ordered_json json = scan_json(header, scan.scan);
   json["pose"] = pose_json(*scan.T_map_laser);
   return json;
 }
 
-nlohmann::ordered_json robot_scan_json(const LogHeader& header, const LogScan& scan,
-                                       bool with_odometry) {
+nlohmann::ordered_json robot_scan_json(const evaluation::LogHeader& header,
+                                       const evaluation::LogScan& scan, bool with_odometry) {
   nlohmann::ordered_json json = scan_json(header, scan.scan);
   if (with_odometry && scan.T_odom_laser) json["odom"] = pose_json(*scan.T_odom_laser);
   return json;

@@ -5,20 +5,22 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
 [[nodiscard]] nlohmann::ordered_json pose_json(const Pose2& pose);
-[[nodiscard]] nlohmann::ordered_json lidar_json(const LogHeader& header);
+[[nodiscard]] nlohmann::ordered_json lidar_json(const evaluation::LogHeader& header);
 
 /// The scan as a server reads it from the JSON below: ranges in tenths of a millimetre.
 [[nodiscard]] LaserScan as_sent(LaserScan scan);
 /// With the scan's reference pose, for mapping; with its own geometry where that is not the log's.
-[[nodiscard]] nlohmann::ordered_json posed_scan_json(const LogHeader& header, const LogScan& scan);
+[[nodiscard]] nlohmann::ordered_json posed_scan_json(const evaluation::LogHeader& header,
+                                                     const evaluation::LogScan& scan);
 /// With odometry where there is any and it is wanted, as a robot posts it; with its own geometry
 /// where that is not the log's.
-[[nodiscard]] nlohmann::ordered_json robot_scan_json(const LogHeader& header, const LogScan& scan,
+[[nodiscard]] nlohmann::ordered_json robot_scan_json(const evaluation::LogHeader& header,
+                                                     const evaluation::LogScan& scan,
                                                      bool with_odometry);
 
 /// An {x, y, yaw} object, or nothing.

@@ -7,8 +7,8 @@
 
 #include "cli/command.hpp"
 #include "cli/drive_simulator.hpp"
-#include "cli/log_writer.hpp"
 #include "cli/progress.hpp"
+#include "evaluation/datasets/log_writer.hpp"
 #include "evaluation/simulation/odometry_fault.hpp"
 
 namespace cornerfix::cli {
@@ -45,8 +45,8 @@ std::string source_of(const SimulateArguments& arguments) {
   return "simulated drive in " + map.filename().string() + ", " + text + fault;
 }
 
-Result<void> write_log(const std::filesystem::path& path, const RecordedLog& log) {
-  Result<LogWriter> writer = LogWriter::create(path, log.header);
+Result<void> write_log(const std::filesystem::path& path, const evaluation::RecordedLog& log) {
+  Result<evaluation::LogWriter> writer = evaluation::LogWriter::create(path, log.header);
   if (!writer) return writer.error();
   Progress progress("writing");
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
@@ -57,7 +57,7 @@ Result<void> write_log(const std::filesystem::path& path, const RecordedLog& log
   return writer->close();
 }
 
-double length_of(const RecordedLog& log) {
+double length_of(const evaluation::RecordedLog& log) {
   double length = 0.0;
   for (std::size_t i = 1; i < log.scans.size(); ++i) {
     length += distance(*log.scans[i - 1].T_map_laser, *log.scans[i].T_map_laser);
@@ -65,15 +65,15 @@ double length_of(const RecordedLog& log) {
   return length;
 }
 
-void corrupt_odometry(RecordedLog& log, const SimulateArguments& arguments) {
+void corrupt_odometry(evaluation::RecordedLog& log, const SimulateArguments& arguments) {
   const auto kind = evaluation::odometry_fault_from_string(arguments.odometry_fault);
   if (!kind) return;
   evaluation::OdometryFault fault(*kind, arguments.drive.seed);
-  for (LogScan& scan : log.scans)
+  for (evaluation::LogScan& scan : log.scans)
     scan.T_odom_laser = fault.corrupt(scan.scan.stamp, *scan.T_odom_laser);
 }
 
-Result<RecordedLog> simulate(const SimulateArguments& arguments) {
+Result<evaluation::RecordedLog> simulate(const SimulateArguments& arguments) {
   const Result<OccupancyGrid> map = read_map_files(arguments.map);
   if (!map) return map.error();
   std::optional<OccupancyGrid> inside;
@@ -83,8 +83,9 @@ Result<RecordedLog> simulate(const SimulateArguments& arguments) {
     inside = std::move(*other);
   }
   Progress progress("driving");
-  Result<RecordedLog> log = simulate_drive(*map, arguments.drive, inside ? &*inside : nullptr,
-                                           [&](double share) { progress.update(share); });
+  Result<evaluation::RecordedLog> log =
+      simulate_drive(*map, arguments.drive, inside ? &*inside : nullptr,
+                     [&](double share) { progress.update(share); });
   if (!log) return log;
   corrupt_odometry(*log, arguments);
   log->header.name = arguments.name.empty() ? plain_stem(arguments.out) : arguments.name;
@@ -97,7 +98,7 @@ int run_simulate(SimulateArguments& arguments) {
   if (const auto error = validate(arguments.drive)) {
     throw CLI::ValidationError(error->field, error->message);
   }
-  const Result<RecordedLog> log = simulate(arguments);
+  const Result<evaluation::RecordedLog> log = simulate(arguments);
   if (!log) return fail(log.error());
   const Result<void> written = write_log(arguments.out, *log);
   if (!written) return fail(written.error());

@@ -15,9 +15,10 @@ namespace {
 using evaluation::percentile;
 
 /// Positions whose reference is exact.
-std::vector<std::size_t> exact_scans(const RecordedLog& log, std::span<const std::size_t> asking) {
+std::vector<std::size_t> exact_scans(const evaluation::RecordedLog& log,
+                                     std::span<const std::size_t> asking) {
   std::vector<std::size_t> scans(asking.begin(), asking.end());
-  const bool has_keyframes = std::ranges::any_of(log.scans, &LogScan::is_key_scan);
+  const bool has_keyframes = std::ranges::any_of(log.scans, &evaluation::LogScan::is_key_scan);
   if (has_keyframes) std::erase_if(scans, [&](std::size_t i) { return !log.scans[i].is_key_scan; });
   return scans;
 }
@@ -75,7 +76,7 @@ nlohmann::ordered_json quantiles(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<SingleScanRecord> evaluate_single_scans(const RecordedLog& log,
+std::vector<SingleScanRecord> evaluate_single_scans(const evaluation::RecordedLog& log,
                                                     std::span<const std::size_t> asking,
                                                     const std::vector<LocalizationMapPtr>& maps,
                                                     std::size_t right_map,
@@ -88,7 +89,7 @@ std::vector<SingleScanRecord> evaluate_single_scans(const RecordedLog& log,
   const auto ask = [&](std::size_t i) {
     SingleScanRecord& record = records[i];
     record.scan = scans[i * scans.size() / records.size()];
-    const LogScan& scan = log.scans[record.scan];
+    const evaluation::LogScan& scan = log.scans[record.scan];
     record.near_m = nearest_m(mapping_positions, scan.T_map_laser->translation());
     RobotScan robot_scan{scan.scan, {}, {}};
     if (options.mirror) std::ranges::reverse(robot_scan.scan.ranges);

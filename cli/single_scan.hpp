@@ -40,7 +40,7 @@ struct SingleScanRecord {
 /// Asks scans spread evenly over `asking`. Logs with keyframes are asked at keyframes, where their
 /// references are exact. The parameters are those of evaluate().
 [[nodiscard]] std::vector<SingleScanRecord> evaluate_single_scans(
-    const RecordedLog& log, std::span<const std::size_t> asking,
+    const evaluation::RecordedLog& log, std::span<const std::size_t> asking,
     const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
     const std::vector<Point2>& mapping_positions, const EvaluationOptions& options,
     const ShareDone& progress);

@@ -23,7 +23,7 @@ namespace {
 
 struct SlamArguments {
   std::string log;
-  LogSelection selection;
+  evaluation::LogSelection selection;
   bool no_odometry = false;
 };
 
@@ -52,14 +52,15 @@ nlohmann::ordered_json error_json(const RelativePoseError& error) {
 }
 
 /// The errors of the trajectory, and of the log's reference, over pairs of scans of one place.
-nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamRun& run) {
+nlohmann::ordered_json revisits_json(std::span<const evaluation::LogScan> scans,
+                                     const SlamRun& run) {
   std::vector<std::size_t> indices = reference_scans(scans);
   std::vector<std::vector<Pose2>> trajectories = {run.T_map_laser};
   if (indices.empty()) {
     indices = run.key_scans;
   } else {
     trajectories.emplace_back();
-    for (const LogScan& scan : scans)
+    for (const evaluation::LogScan& scan : scans)
       trajectories.back().push_back(scan.T_map_laser.value_or(Pose2{}));
   }
   const RevisitScore score = score_revisits(scans, indices, trajectories);
@@ -71,7 +72,7 @@ nlohmann::ordered_json revisits_json(std::span<const LogScan> scans, const SlamR
 }
 
 int run_slam_command(const SlamArguments& arguments) {
-  const Result<RecordedLog> log = read_whole_log(arguments.log, arguments.selection);
+  const Result<evaluation::RecordedLog> log = read_whole_log(arguments.log, arguments.selection);
   if (!log) return fail(log.error());
   Progress progress("slam");
   const std::clock_t begin = std::clock();

@@ -16,7 +16,7 @@ struct Stop {
 
 }  // namespace
 
-Result<SlamRun> run_slam(std::span<const LogScan> scans, bool use_odometry,
+Result<SlamRun> run_slam(std::span<const evaluation::LogScan> scans, bool use_odometry,
                          const MapperParams& params, const std::function<void(double)>& progress) {
   constexpr double kOdometryShare = 0.4;  // of the work
   SlamRun run;

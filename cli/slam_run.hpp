@@ -9,7 +9,7 @@
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -21,8 +21,8 @@ struct SlamRun {
 };
 
 /// `progress` is called with the share done and may be empty.
-[[nodiscard]] Result<SlamRun> run_slam(std::span<const LogScan> scans, bool use_odometry,
-                                       const MapperParams& params,
+[[nodiscard]] Result<SlamRun> run_slam(std::span<const evaluation::LogScan> scans,
+                                       bool use_odometry, const MapperParams& params,
                                        const std::function<void(double)>& progress);
 
 }  // namespace cornerfix::cli

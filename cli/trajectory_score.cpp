@@ -5,9 +5,9 @@
 
 namespace cornerfix::cli {
 
-std::vector<std::size_t> reference_scans(std::span<const LogScan> scans) {
+std::vector<std::size_t> reference_scans(std::span<const evaluation::LogScan> scans) {
   const bool marks_key_scans =
-      std::ranges::any_of(scans, [](const LogScan& scan) { return scan.is_key_scan; });
+      std::ranges::any_of(scans, [](const evaluation::LogScan& scan) { return scan.is_key_scan; });
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i].T_map_laser && (!marks_key_scans || scans[i].is_key_scan)) indices.push_back(i);
@@ -15,7 +15,7 @@ std::vector<std::size_t> reference_scans(std::span<const LogScan> scans) {
   return indices;
 }
 
-RelativePoseError relative_pose_error(std::span<const LogScan> scans,
+RelativePoseError relative_pose_error(std::span<const evaluation::LogScan> scans,
                                       std::span<const Pose2> T_any_laser, double way_m) {
   const std::vector<std::size_t> indices = reference_scans(scans);
   const auto reference = [&](std::size_t n) { return *scans[indices[n]].T_map_laser; };
@@ -37,7 +37,8 @@ RelativePoseError relative_pose_error(std::span<const LogScan> scans,
   return error;
 }
 
-Pose2 align_to_reference(std::span<const LogScan> scans, std::span<const Pose2> T_any_laser) {
+Pose2 align_to_reference(std::span<const evaluation::LogScan> scans,
+                         std::span<const Pose2> T_any_laser) {
   const std::vector<std::size_t> indices = reference_scans(scans);
   if (indices.empty()) return {};
   Point2 mean_any = Point2::Zero();

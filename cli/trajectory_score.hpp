@@ -11,7 +11,7 @@
 
 #include <cornerfix/pose2.hpp>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -24,17 +24,17 @@ struct RelativePoseError {
 
 /// Indices of the scans whose reference pose may be judged by: with a pose, and in a log that marks
 /// key scans those only, since poses between them are interpolated.
-[[nodiscard]] std::vector<std::size_t> reference_scans(std::span<const LogScan> scans);
+[[nodiscard]] std::vector<std::size_t> reference_scans(std::span<const evaluation::LogScan> scans);
 
 /// \param T_any_laser  A pose for each of `scans`, in any frame.
 /// A relation goes from each reference scan to the first one that is at least `way_m` farther.
-[[nodiscard]] RelativePoseError relative_pose_error(std::span<const LogScan> scans,
+[[nodiscard]] RelativePoseError relative_pose_error(std::span<const evaluation::LogScan> scans,
                                                     std::span<const Pose2> T_any_laser,
                                                     double way_m);
 
 /// The rigid motion that takes the positions of `T_any_laser` to the reference positions with the
 /// least squared error: T_map_any. The identity without reference.
-[[nodiscard]] Pose2 align_to_reference(std::span<const LogScan> scans,
+[[nodiscard]] Pose2 align_to_reference(std::span<const evaluation::LogScan> scans,
                                        std::span<const Pose2> T_any_laser);
 
 }  // namespace cornerfix::cli

@@ -5,17 +5,18 @@
 
 namespace cornerfix::cli {
 
-Result<RecordedLog> read_whole_log(const std::string& path, const LogSelection& selection,
-                                   std::size_t stride) {
-  Result<LogReader> reader = LogReader::open(path, selection);
+Result<evaluation::RecordedLog> read_whole_log(const std::string& path,
+                                               const evaluation::LogSelection& selection,
+                                               std::size_t stride) {
+  Result<evaluation::LogReader> reader = evaluation::LogReader::open(path, selection);
   if (!reader) return reader.error();
-  RecordedLog log;
+  evaluation::RecordedLog log;
   {
     Progress progress("reading");
-    log = read_all(*reader, stride, [&](double share) { progress.update(share); });
+    log = evaluation::read_all(*reader, stride, [&](double share) { progress.update(share); });
   }
   if (auto error = reader->most_scans_lost()) return *error;
-  warn(path, remarks(*reader));
+  warn(path, evaluation::remarks(*reader));
   return log;
 }
 

@@ -5,14 +5,13 @@
 #include <cstddef>
 #include <string>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
 /// An error as well when most of its scans cannot be used.
 /// \param stride  n keeps every n-th scan, from the first.
-[[nodiscard]] Result<RecordedLog> read_whole_log(const std::string& path,
-                                                 const LogSelection& selection,
-                                                 std::size_t stride = 1);
+[[nodiscard]] Result<evaluation::RecordedLog> read_whole_log(
+    const std::string& path, const evaluation::LogSelection& selection, std::size_t stride = 1);
 
 }  // namespace cornerfix::cli

@@ -15,12 +15,12 @@ namespace {
 
 /// The scans that Cartographer puts into its grid, by its motion filter: one after 0.2 m, 1 deg or
 /// 5 s.
-std::vector<PosedScan> filtered_by_motion(std::span<const cli::LogScan> scans) {
+std::vector<PosedScan> filtered_by_motion(std::span<const evaluation::LogScan> scans) {
   constexpr double kDistance = 0.2;
   constexpr double kAngle = std::numbers::pi / 180.0;
   constexpr double kTime = 5.0;
   std::vector<PosedScan> kept;
-  for (const cli::LogScan& scan : scans) {
+  for (const evaluation::LogScan& scan : scans) {
     if (!scan.T_map_laser) continue;
     const PosedScan posed{scan.scan, {}, *scan.T_map_laser};
     if (kept.empty() || distance(kept.back().T_map_base_link, posed.T_map_base_link) > kDistance ||
@@ -32,8 +32,8 @@ std::vector<PosedScan> filtered_by_motion(std::span<const cli::LogScan> scans) {
 }
 
 /// The first `end` scans of `mapping` map.
-Building building_of(const std::string& name, const cli::RecordedLog& mapping, std::size_t end,
-                     cli::RecordedLog asking, std::size_t begin) {
+Building building_of(const std::string& name, const evaluation::RecordedLog& mapping,
+                     std::size_t end, evaluation::RecordedLog asking, std::size_t begin) {
   cli::Evaluation mapped = cli::map_from(mapping, end, {});
   return {map_building(name, mapped.key_frames,
                        filtered_by_motion(std::span(mapping.scans).first(end))),
@@ -41,17 +41,17 @@ Building building_of(const std::string& name, const cli::RecordedLog& mapping, s
 }
 
 /// Every other scan of a log, from the first or the second on.
-cli::RecordedLog every_other(const cli::RecordedLog& log, std::size_t first) {
-  cli::RecordedLog half = log;
+evaluation::RecordedLog every_other(const evaluation::RecordedLog& log, std::size_t first) {
+  evaluation::RecordedLog half = log;
   half.scans.clear();
   for (std::size_t i = first; i < log.scans.size(); i += 2) half.scans.push_back(log.scans[i]);
   return half;
 }
 
 Building recorded(const BuildingSource& source) {
-  cli::RecordedLog log = value_or_exit(cli::read_log(source.log));
+  evaluation::RecordedLog log = value_or_exit(evaluation::read_log(source.log));
   if (source.even_odd) {
-    const cli::RecordedLog mapping = every_other(log, 0);
+    const evaluation::RecordedLog mapping = every_other(log, 0);
     return building_of(source.name, mapping, mapping.scans.size(), every_other(log, 1), 0);
   }
   const std::size_t end = cli::split_index(log, source.split);
@@ -63,11 +63,11 @@ Building simulated(const BuildingSource& source) {
   std::optional<OccupancyGrid> inside;
   if (!source.inside.empty()) inside = value_or_exit(read_map_files(source.inside));
   // Along a way that is free in both, or the drives might be in rooms that are not connected.
-  const cli::RecordedLog mapping = value_or_exit(
+  const evaluation::RecordedLog mapping = value_or_exit(
       cli::simulate_drive(inside ? *inside : floor,
                           {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1},
                           inside ? &floor : nullptr));
-  cli::RecordedLog asking = value_or_exit(
+  evaluation::RecordedLog asking = value_or_exit(
       cli::simulate_drive(floor, {.people = source.people, .length_m = source.asking_m, .seed = 2},
                           inside ? &*inside : nullptr));
   return building_of(source.name, mapping, mapping.scans.size(), std::move(asking), 0);

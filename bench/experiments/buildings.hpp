@@ -9,7 +9,7 @@
 
 #include "bench/experiments/contestants.hpp"
 #include "cli/evaluation.hpp"
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::bench {
 
@@ -32,7 +32,7 @@ void add_building_options(CLI::App& command, BuildingSource& source);
 struct Building {
   MappedBuilding mapped;
   std::vector<Point2> mapping_positions;  ///< Of the laser.
-  cli::RecordedLog log;
+  evaluation::RecordedLog log;
   std::size_t begin = 0;  ///< Index of the first scan of `log` that asks.
 };
 

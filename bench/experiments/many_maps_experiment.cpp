@@ -79,7 +79,7 @@ class MapCollection {
 std::vector<OccupancyGrid> other_buildings(const ManyMapsArguments& arguments) {
   std::vector<OccupancyGrid> grids;
   for (const std::string& path : arguments.logs) {
-    const cli::RecordedLog log = value_or_exit(cli::read_log(path));
+    const evaluation::RecordedLog log = value_or_exit(evaluation::read_log(path));
     grids.push_back(cli::map_from(log, log.scans.size(), {}).map->grid());
   }
   for (const std::string& path : arguments.floor_maps)

@@ -91,7 +91,7 @@ class RobotsExperiment {
     ScanTimes times;
     std::vector<double> searching_of_robot;  // sums before each robot, in the order of starts
     cli::EvaluationOptions options = this->options();
-    options.make_robot = [&](const cli::LogScan& first) {
+    options.make_robot = [&](const evaluation::LogScan& first) {
       searching_of_robot.push_back(sum(times.searching_ms));
       return in_time(contestant.switch_on(first, times), times, arguments_.time_s);
     };

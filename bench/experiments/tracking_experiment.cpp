@@ -83,7 +83,7 @@ class TrackingExperiment {
       const std::size_t start = i * order_.size() / arguments_.starts;
       double driven = 0.0;
       for (std::size_t k = start; k < order_.size() && driven <= arguments_.way_m; ++k) {
-        const cli::LogScan& scan = building_.log.scans[order_[k]];
+        const evaluation::LogScan& scan = building_.log.scans[order_[k]];
         if (k > start) {
           driven += distance(*scan.T_map_laser, *building_.log.scans[order_[k - 1]].T_map_laser);
         }
@@ -97,7 +97,7 @@ class TrackingExperiment {
     Tracked tracked;
     std::unique_ptr<Localizer> localizer;
     bool found = false;
-    drive([&](const cli::LogScan& scan, bool first) {
+    drive([&](const evaluation::LogScan& scan, bool first) {
       if (first) {
         localizer =
             std::make_unique<Localizer>(std::vector{building_.mapped.map}, LocalizerParams{});
@@ -128,7 +128,7 @@ class TrackingExperiment {
   [[nodiscard]] Tracked track_by_rival(const Make& make) const {
     Tracked tracked;
     std::unique_ptr<Rival> rival;
-    drive([&](const cli::LogScan& scan, bool first) {
+    drive([&](const evaluation::LogScan& scan, bool first) {
       if (first) rival = make(*scan.T_map_laser);
       const double begin = thread_ms();
       const RivalAnswer answer = rival->process({scan.scan, {}, scan.T_odom_laser});

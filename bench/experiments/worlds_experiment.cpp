@@ -113,8 +113,9 @@ std::vector<Pose2> way_through(const World& world, double yaw) {
   return poses;
 }
 
-cli::RecordedLog record(const std::string& name, const std::vector<testing::Moment>& moments) {
-  cli::RecordedLog log;
+evaluation::RecordedLog record(const std::string& name,
+                               const std::vector<testing::Moment>& moments) {
+  evaluation::RecordedLog log;
   log.header.name = name;
   for (const testing::Moment& moment : moments) {
     log.scans.push_back(
@@ -147,7 +148,7 @@ class WorldsExperiment {
         .lidar = {.beams = 721, .field_of_view_rad = std::numbers::pi, .noise_m = 0.01},
         .odometry_scale = 1.01};
     const double yaw = static_cast<double>(seed);
-    const cli::RecordedLog log =
+    const evaluation::RecordedLog log =
         record(kind, testing::drive(world.now, robot, way_through(world, yaw), seed));
     const std::size_t corners =
         extract_corners(log.scans.front().scan, CornerExtractor::kLineIntersection).size();
@@ -158,7 +159,7 @@ class WorldsExperiment {
       options.starts = 1;
       options.batch = 1;
       options.track_m = 0.0;
-      options.make_robot = [&](const cli::LogScan& first) {
+      options.make_robot = [&](const evaluation::LogScan& first) {
         return contestant.switch_on(first, times);
       };
       const auto records =

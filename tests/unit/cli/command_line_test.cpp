@@ -14,14 +14,14 @@
 #include "server/map_library.hpp"
 #include "server/settings.hpp"
 #include "server/store_access.hpp"
+#include "support/temporary_directory.hpp"
 #include "unit/cli/fake_server.hpp"
-#include "unit/cli/temporary_directory.hpp"
 
 namespace cornerfix::cli {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Outcome {
   int exit_code = 0;
@@ -31,12 +31,12 @@ struct Outcome {
 
 Outcome run(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "cornerfix");
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   Outcome outcome;
   outcome.exit_code = run_command_line(static_cast<int>(arguments.size()), arguments.data());
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.err = ::testing::internal::GetCapturedStderr();
   return outcome;
 }
 
@@ -57,9 +57,9 @@ std::string walk(int scans, bool with_key_scans = false) {
   return text;
 }
 
-class CommandLine : public testing::Test {
+class CommandLine : public ::testing::Test {
  protected:
-  TemporaryDirectory directory_;
+  testing::TemporaryDirectory directory_;
 };
 
 TEST_F(CommandLine, EndsWrongUseWithTwo) {
@@ -88,7 +88,7 @@ TEST_F(CommandLine, EndsWrongUseWithTwo) {
   };
   for (const auto& arguments : wrong) {
     const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);
     EXPECT_EQ(outcome.out, "");
     EXPECT_NE(outcome.err, "");
   }

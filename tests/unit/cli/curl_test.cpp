@@ -7,14 +7,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "unit/cli/temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace cornerfix::cli {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::StartsWith;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 std::string output_of(const std::string& command) {
   std::string output;
@@ -35,7 +35,7 @@ std::vector<std::string> words(const std::string& line) {
   return out;
 }
 
-class CurlLines : public testing::Test {
+class CurlLines : public ::testing::Test {
  protected:
   std::string line(const HttpRequest& request, const std::string& token = "",
                    const std::string& url = "http://127.0.0.1:8080") {
@@ -44,7 +44,7 @@ class CurlLines : public testing::Test {
     EXPECT_TRUE(line.ok());
     return line.ok() ? *line : "";
   }
-  TemporaryDirectory directory_;
+  testing::TemporaryDirectory directory_;
 };
 
 TEST_F(CurlLines, GetsWithoutABody) {
@@ -79,7 +79,7 @@ TEST_F(CurlLines, ShowTheToken) {
 }
 
 TEST_F(CurlLines, GiveAPostWithoutABodyALength) {
-  EXPECT_THAT(words(line({"POST", "/v1/sessions/7/reset"})), testing::Contains("-d"));
+  EXPECT_THAT(words(line({"POST", "/v1/sessions/7/reset"})), ::testing::Contains("-d"));
 }
 
 TEST_F(CurlLines, LeaveTheSessionToTheShell) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "cli/log_writer.hpp"
-#include "unit/cli/temporary_directory.hpp"
+#include "evaluation/datasets/log_writer.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace cornerfix::cli {
 namespace {
@@ -60,27 +60,27 @@ DriveOptions quiet_drive() {
   return options;
 }
 
-RecordedLog drive(const OccupancyGrid& grid, const DriveOptions& options,
-                  const OccupancyGrid* inside = nullptr) {
-  Result<RecordedLog> log = simulate_drive(grid, options, inside);
+evaluation::RecordedLog drive(const OccupancyGrid& grid, const DriveOptions& options,
+                              const OccupancyGrid* inside = nullptr) {
+  Result<evaluation::RecordedLog> log = simulate_drive(grid, options, inside);
   EXPECT_TRUE(log.ok()) << (log.ok() ? "" : log.error().message);
-  return log.ok() ? std::move(*log) : RecordedLog{};
+  return log.ok() ? std::move(*log) : evaluation::RecordedLog{};
 }
 
-bool same_ranges(const LogScan& a, const LogScan& b) {
+bool same_ranges(const evaluation::LogScan& a, const evaluation::LogScan& b) {
   // Bit by bit, since NaN is no return and equals nothing.
   return a.scan.ranges.size() == b.scan.ranges.size() &&
          std::memcmp(a.scan.ranges.data(), b.scan.ranges.data(),
                      a.scan.ranges.size() * sizeof(float)) == 0;
 }
 
-bool same_scans(const RecordedLog& a, const RecordedLog& b) {
+bool same_scans(const evaluation::RecordedLog& a, const evaluation::RecordedLog& b) {
   return std::equal(a.scans.begin(), a.scans.end(), b.scans.begin(), b.scans.end(), same_ranges);
 }
 
-bool same_poses(const RecordedLog& a, const RecordedLog& b) {
+bool same_poses(const evaluation::RecordedLog& a, const evaluation::RecordedLog& b) {
   return std::equal(a.scans.begin(), a.scans.end(), b.scans.begin(), b.scans.end(),
-                    [](const LogScan& x, const LogScan& y) {
+                    [](const evaluation::LogScan& x, const evaluation::LogScan& y) {
                       return x.T_map_laser == y.T_map_laser && x.T_odom_laser == y.T_odom_laser;
                     });
 }
@@ -91,8 +91,8 @@ TEST(DriveSimulator, GivesTheSameLogForTheSameSeed) {
   options.drift = 0.02;
   options.people = 2;
   options.boxes = 2;
-  const RecordedLog first = drive(two_rooms(), options);
-  const RecordedLog second = drive(two_rooms(), options);
+  const evaluation::RecordedLog first = drive(two_rooms(), options);
+  const evaluation::RecordedLog second = drive(two_rooms(), options);
   EXPECT_TRUE(same_poses(first, second));
   EXPECT_TRUE(same_scans(first, second));
   options.seed = 2;
@@ -108,7 +108,7 @@ TEST(DriveSimulator, StampsBeginWhereTheyAreTold) {
 }
 
 TEST(DriveSimulator, MeasuresABoxRoomAsGeometryDoes) {
-  for (const LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
+  for (const evaluation::LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
     const Pose2& pose = *recorded.T_map_laser;
     for (std::size_t beam = 0; beam < recorded.scan.ranges.size(); ++beam) {
       if (!recorded.scan.has_return(beam)) continue;  // A few are dropped on purpose.
@@ -124,7 +124,7 @@ TEST(DriveSimulator, MeasuresABoxRoomAsGeometryDoes) {
 TEST(DriveSimulator, LosesFewBeamsInAClosedRoom) {
   std::size_t returns = 0;
   std::size_t beams = 0;
-  for (const LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
+  for (const evaluation::LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
     for (std::size_t beam = 0; beam < recorded.scan.ranges.size(); ++beam, ++beams) {
       if (recorded.scan.has_return(beam)) ++returns;
     }
@@ -134,7 +134,7 @@ TEST(DriveSimulator, LosesFewBeamsInAClosedRoom) {
 
 TEST(DriveSimulator, DrivesTheLengthInSteps) {
   const DriveOptions options = quiet_drive();
-  const RecordedLog log = drive(two_rooms(), options);
+  const evaluation::RecordedLog log = drive(two_rooms(), options);
   double length = 0.0;
   for (std::size_t i = 1; i < log.scans.size(); ++i) {
     const Pose2& last = *log.scans[i - 1].T_map_laser;
@@ -154,7 +154,7 @@ TEST(DriveSimulator, NeverDrivesThroughWalls) {
   options.length_m = 100.0;
   bool was_left = false;
   bool was_right = false;
-  for (const LogScan& recorded : drive(grid, options).scans) {
+  for (const evaluation::LogScan& recorded : drive(grid, options).scans) {
     const Point2 position = recorded.T_map_laser->translation();
     was_left = was_left || position.x() < 5.0;
     was_right = was_right || position.x() > 7.0;
@@ -171,11 +171,11 @@ TEST(DriveSimulator, VisitsAllOfTheBuilding) {
   DriveOptions options = quiet_drive();
   options.beams = 2;
   options.length_m = 120.0;
-  const RecordedLog log = drive(two_rooms(), options);
+  const evaluation::RecordedLog log = drive(two_rooms(), options);
   for (double x = 1.0; x < kWidth; x += 2.0) {
     for (double y = 1.0; y < kHeight; y += 2.0) {
       EXPECT_TRUE(std::any_of(log.scans.begin(), log.scans.end(),
-                              [&](const LogScan& recorded) {
+                              [&](const evaluation::LogScan& recorded) {
                                 return distance(*recorded.T_map_laser, {x, y, 0.0}) < 2.5;
                               }))
           << x << ", " << y;
@@ -184,18 +184,18 @@ TEST(DriveSimulator, VisitsAllOfTheBuilding) {
 }
 
 TEST(DriveSimulator, KeepsPerfectOdometryWithoutDrift) {
-  const RecordedLog log = drive(two_rooms(), quiet_drive());
+  const evaluation::RecordedLog log = drive(two_rooms(), quiet_drive());
   const Pose2 T_map_odom = *log.scans.front().T_map_laser;
-  for (const LogScan& recorded : log.scans) {
+  for (const evaluation::LogScan& recorded : log.scans) {
     EXPECT_LT(distance(T_map_odom * *recorded.T_odom_laser, *recorded.T_map_laser), 1e-6);
   }
 }
 
 TEST(DriveSimulator, DriftLeavesPosesAndScansAsTheyWere) {
-  const RecordedLog straight = drive(two_rooms(), quiet_drive());
+  const evaluation::RecordedLog straight = drive(two_rooms(), quiet_drive());
   DriveOptions options = quiet_drive();
   options.drift = 0.05;
-  const RecordedLog drifting = drive(two_rooms(), options);
+  const evaluation::RecordedLog drifting = drive(two_rooms(), options);
   EXPECT_TRUE(same_scans(straight, drifting));
   EXPECT_EQ(straight.scans.back().T_map_laser, drifting.scans.back().T_map_laser);
   EXPECT_GT(distance(*straight.scans.back().T_odom_laser, *drifting.scans.back().T_odom_laser),
@@ -203,22 +203,22 @@ TEST(DriveSimulator, DriftLeavesPosesAndScansAsTheyWere) {
 }
 
 TEST(DriveSimulator, PeopleChangeScansButNotPoses) {
-  const RecordedLog alone = drive(two_rooms(), quiet_drive());
+  const evaluation::RecordedLog alone = drive(two_rooms(), quiet_drive());
   DriveOptions options = quiet_drive();
   options.people = 5;
-  const RecordedLog crowded = drive(two_rooms(), options);
+  const evaluation::RecordedLog crowded = drive(two_rooms(), options);
   EXPECT_TRUE(same_poses(alone, crowded));
   EXPECT_FALSE(same_scans(alone, crowded));
 }
 
 TEST(DriveSimulator, BoxesChangeScansButNotPosesAndStayOffTheWay) {
-  const RecordedLog empty = drive(two_rooms(), quiet_drive());
+  const evaluation::RecordedLog empty = drive(two_rooms(), quiet_drive());
   DriveOptions options = quiet_drive();
   options.boxes = 5;
-  const RecordedLog furnished = drive(two_rooms(), options);
+  const evaluation::RecordedLog furnished = drive(two_rooms(), options);
   EXPECT_TRUE(same_poses(empty, furnished));
   EXPECT_FALSE(same_scans(empty, furnished));
-  for (const LogScan& recorded : furnished.scans) {
+  for (const evaluation::LogScan& recorded : furnished.scans) {
     EXPECT_GT(
         *std::min_element(recorded.scan.ranges.begin(), recorded.scan.ranges.end(),
                           [](float a, float b) { return std::isnan(b) ? !std::isnan(a) : a < b; }),
@@ -230,7 +230,7 @@ TEST(DriveSimulator, SeesTheBuildingThatItDrivesInside) {
   OccupancyGrid later = box_room();
   fill(later, {5.0, 3.0}, {7.0, 5.0}, Cell::kOccupied);  // A new pillar.
   const OccupancyGrid map = box_room();
-  for (const LogScan& recorded : drive(map, quiet_drive(), &later).scans) {
+  for (const evaluation::LogScan& recorded : drive(map, quiet_drive(), &later).scans) {
     const Point2 p = recorded.T_map_laser->translation();
     EXPECT_FALSE(p.x() > 5.0 && p.x() < 7.0 && p.y() > 3.0 && p.y() < 5.0);
   }
@@ -242,8 +242,8 @@ TEST(DriveSimulator, TakesTheFrameOfATurnedMap) {
   OccupancyGrid turned = two_rooms();
   const Pose2 T{30.0, -4.0, 2.0};
   turned.T_map_grid = T * turned.T_map_grid;
-  const RecordedLog log = drive(two_rooms(), quiet_drive());
-  const RecordedLog turned_log = drive(turned, quiet_drive());
+  const evaluation::RecordedLog log = drive(two_rooms(), quiet_drive());
+  const evaluation::RecordedLog turned_log = drive(turned, quiet_drive());
   ASSERT_EQ(log.scans.size(), turned_log.scans.size());
   EXPECT_LT(distance(T * *log.scans.back().T_map_laser, *turned_log.scans.back().T_map_laser),
             1e-6);
@@ -254,14 +254,14 @@ TEST(DriveSimulator, DoesNotLookTwiceWhereAFullTurnBegins) {
   options.field_of_view_rad = 2.0 * std::numbers::pi;
   options.beams = 360;
   options.length_m = 1.0;
-  const RecordedLog log = drive(box_room(), options);
+  const evaluation::RecordedLog log = drive(box_room(), options);
   EXPECT_NEAR(log.header.lidar.angle_increment, std::numbers::pi / 180.0, 1e-12);
 }
 
 TEST(DriveSimulator, RefusesAMapWithoutSpaceToDrive) {
   OccupancyGrid full = box_room();
   std::fill(full.cells.begin(), full.cells.end(), Cell::kOccupied);
-  const Result<RecordedLog> log = simulate_drive(full, quiet_drive());
+  const Result<evaluation::RecordedLog> log = simulate_drive(full, quiet_drive());
   ASSERT_FALSE(log.ok());
   EXPECT_EQ(log.error().code, ErrorCode::kInvalidArgument);
 }
@@ -285,18 +285,18 @@ TEST(DriveSimulator, RefusesBrokenOptions) {
   EXPECT_EQ(field_of([](DriveOptions& o) { o.step_m = 0.0; }), "step_m");
 }
 
-TEST(LogWriter, WritesWhatTheReaderReads) {
+TEST(evaluation::LogWriter, WritesWhatTheReaderReads) {
   DriveOptions options = quiet_drive();
   options.length_m = 3.0;
-  RecordedLog log = drive(box_room(), options);
+  evaluation::RecordedLog log = drive(box_room(), options);
   log.header.name = "a \"drive\"";
-  const TemporaryDirectory directory;
+  const testing::TemporaryDirectory directory;
   for (const char* name : {"drive.jsonl", "drive.jsonl.gz"}) {
-    auto writer = LogWriter::create(directory.path() / name, log.header);
+    auto writer = evaluation::LogWriter::create(directory.path() / name, log.header);
     ASSERT_TRUE(writer.ok()) << writer.error().message;
-    for (const LogScan& scan : log.scans) ASSERT_TRUE(writer->write(scan).ok());
+    for (const evaluation::LogScan& scan : log.scans) ASSERT_TRUE(writer->write(scan).ok());
     ASSERT_TRUE(writer->close().ok());
-    const auto again = read_log(directory.path() / name);
+    const auto again = evaluation::read_log(directory.path() / name);
     ASSERT_TRUE(again.ok()) << again.error().message;
     EXPECT_EQ(again->header.name, log.header.name);
     EXPECT_EQ(again->header.lidar.angle_increment, log.header.lidar.angle_increment);
@@ -312,8 +312,9 @@ TEST(LogWriter, WritesWhatTheReaderReads) {
   }
 }
 
-TEST(LogWriter, SaysWhatItCannotWrite) {
-  const auto writer = LogWriter::create("/nowhere/at/all.jsonl", LogHeader{});
+TEST(evaluation::LogWriter, SaysWhatItCannotWrite) {
+  const auto writer =
+      evaluation::LogWriter::create("/nowhere/at/all.jsonl", evaluation::LogHeader{});
   ASSERT_FALSE(writer.ok());
   EXPECT_EQ(writer.error().field, "/nowhere/at/all.jsonl");
 }

@@ -16,10 +16,10 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// A straight run, one scan per metre and second.
-RecordedLog straight_run(std::size_t scans) {
-  RecordedLog log;
+evaluation::RecordedLog straight_run(std::size_t scans) {
+  evaluation::RecordedLog log;
   for (std::size_t i = 0; i < scans; ++i) {
-    LogScan scan;
+    evaluation::LogScan scan;
     scan.scan.stamp = static_cast<double>(i);
     scan.T_map_laser = Pose2{static_cast<double>(i), 0.0, 0.0};
     log.scans.push_back(scan);
@@ -27,7 +27,7 @@ RecordedLog straight_run(std::size_t scans) {
   return log;
 }
 
-std::vector<std::size_t> all_scans(const RecordedLog& log) {
+std::vector<std::size_t> all_scans(const evaluation::RecordedLog& log) {
   std::vector<std::size_t> indices(log.scans.size());
   std::iota(indices.begin(), indices.end(), std::size_t{0});
   return indices;
@@ -55,25 +55,25 @@ EvaluationOptions options_with(const ScoredRobot& robot) {
   EvaluationOptions options;
   options.batch = 1;
   options.way_m = 5.0;
-  options.make_robot = [robot](const LogScan&) { return robot; };
+  options.make_robot = [robot](const evaluation::LogScan&) { return robot; };
   return options;
 }
 
 TEST(CountableStarts, HaveTheDrivingOrTheTimeAhead) {
-  const RecordedLog log = straight_run(10);
+  const evaluation::RecordedLog log = straight_run(10);
   EXPECT_THAT(countable_starts(log, all_scans(log), 7.0, 100.0), ElementsAre(0, 1, 2));
   EXPECT_THAT(countable_starts(log, all_scans(log), 100.0, 8.0), ElementsAre(0, 1));
   EXPECT_THAT(countable_starts(log, all_scans(log), 10.0, 100.0), IsEmpty());
 }
 
 TEST(CountableStarts, DoNotDriveAcrossAGap) {
-  const RecordedLog log = straight_run(20);
+  const evaluation::RecordedLog log = straight_run(20);
   const std::vector<std::size_t> asking{0, 1, 2, 3, 10, 11, 12, 13, 14};
   EXPECT_THAT(countable_starts(log, asking, 3.0, 100.0), ElementsAre(0, 4, 5));
 }
 
 TEST(Evaluate, AsksOnlyStartsThatCount) {
-  const RecordedLog log = straight_run(20);
+  const evaluation::RecordedLog log = straight_run(20);
   EvaluationOptions options = options_with([](const RobotScan&) { return Answer{}; });
   options.starts = 100;
   const auto records = evaluate(log, 0, {empty_map()}, 0, {}, options, nullptr);
@@ -85,7 +85,7 @@ TEST(Evaluate, AsksOnlyStartsThatCount) {
 }
 
 TEST(Evaluate, CountsNoStartOfALogThatIsTooShort) {
-  const RecordedLog log = straight_run(4);
+  const evaluation::RecordedLog log = straight_run(4);
   const auto records = evaluate(log, 0, {empty_map()}, 0, {},
                                 options_with([](const RobotScan&) { return Answer{}; }), nullptr);
   ASSERT_EQ(records.size(), 4U);
@@ -93,7 +93,7 @@ TEST(Evaluate, CountsNoStartOfALogThatIsTooShort) {
 }
 
 TEST(Evaluate, CountsWrongAnswersLongAfterARightOne) {
-  const RecordedLog log = straight_run(40);
+  const evaluation::RecordedLog log = straight_run(40);
   const LocalizationMapPtr map = empty_map();
   EvaluationOptions options = options_with(robot_that_drifts(map, 2, 0.1));
   options.starts = 1;
@@ -121,7 +121,7 @@ TEST(Evaluate, CountsWrongAnswersLongAfterARightOne) {
 }
 
 TEST(Evaluate, FollowsAWrongPoseUntilItIsWithdrawnOrThreeMetresAreDriven) {
-  const RecordedLog log = straight_run(40);
+  const evaluation::RecordedLog log = straight_run(40);
   const LocalizationMapPtr map = empty_map();
   EvaluationOptions options = options_with(robot_that_drifts(map, 2, 2.0));
   options.starts = 1;

@@ -23,7 +23,7 @@ constexpr double kStepRad = 0.2;
 /// Three times around the room, in steps of 0.44 m: after two rounds it has gone 20 m.
 struct Rounds {
   std::vector<Pose2> poses = circle_in_room(2.2, 0.0, kStepRad, 94);
-  std::vector<LogScan> scans;
+  std::vector<evaluation::LogScan> scans;
   std::vector<std::size_t> indices = std::vector<std::size_t>(poses.size());
 
   Rounds() {
@@ -86,7 +86,7 @@ TEST(RevisitScore, JudgesEveryTrajectoryInItsOwnFrame) {
 
 TEST(RevisitScore, CountsPairsThatTellNothing) {
   Rounds rounds;
-  for (LogScan& scan : rounds.scans) scan.scan.ranges.assign(360, 0.0F);
+  for (evaluation::LogScan& scan : rounds.scans) scan.scan.ranges.assign(360, 0.0F);
   const RevisitScore score = rounds.score({rounds.poses});
   EXPECT_EQ(score.pairs, 0U);
   EXPECT_GT(score.undecided, 25U);
@@ -104,7 +104,7 @@ TEST(RevisitScore, HasNothingToSayOfADriveThatNeverComesBack) {
 
 TEST(RevisitScore, LooksAtFiveHundredPairsAtMost) {
   Rounds rounds;
-  for (LogScan& scan : rounds.scans) scan.scan.ranges.assign(360, 0.0F);
+  for (evaluation::LogScan& scan : rounds.scans) scan.scan.ranges.assign(360, 0.0F);
   // Round and round, over the same scans.
   const std::vector<std::size_t> thrice = rounds.indices;
   rounds.scans.reserve(10 * thrice.size());
