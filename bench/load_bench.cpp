@@ -28,14 +28,14 @@
 
 #include <cornerfix/map_image.hpp>
 
-#include "cli/drive_simulator.hpp"
-#include "cli/http_client.hpp"
-#include "cli/scan_json.hpp"
+#include "clients/cpp/http_client.hpp"
+#include "clients/cpp/scan_json.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 #include "support/temporary_directory.hpp"
 
 extern char** environ;
 
-namespace cornerfix::cli {
+namespace cornerfix::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -105,7 +105,7 @@ class ServerProcess {
 
   [[nodiscard]] const std::string& url() const { return url_; }
   /// Processor time of all its threads so far.
-  [[nodiscard]] double processor_ms() const {
+  [[nodiscard]] double evaluation::processor_ms() const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/stat");
     std::string field;
     for (int i = 0; i < 13; ++i) file >> field;  // proc(5): utime and stime come after them.
@@ -127,9 +127,9 @@ class ServerProcess {
   std::string url_;
 };
 
-evaluation::RecordedLog drive(const DriveOptions& options) {
+evaluation::RecordedLog drive(const evaluation::DriveOptions& options) {
   static const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  return value_of(simulate_drive(willow, options));
+  return value_of(evaluation::simulate_drive(willow, options));
 }
 
 void make_map(HttpClient& client) {
@@ -309,10 +309,10 @@ int run(LoadOptions options) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::client
 
 int main(int argc, char** argv) {
-  cornerfix::cli::LoadOptions options;
+  cornerfix::client::LoadOptions options;
   CLI::App app("Drives a fleet of robots against a Cornerfix server and counts who had to wait.");
   app.add_option("--url", options.url, "A running server, instead of one started for this");
   app.add_option("--robots", options.robots)->capture_default_str();
@@ -322,5 +322,5 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.seconds, "That all of them are on")->capture_default_str();
   app.add_option("--method", options.method, "indexed, rma or nma")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  return cornerfix::cli::run(options);
+  return cornerfix::client::run(options);
 }

@@ -16,10 +16,10 @@
 
 #include <cornerfix/map_image.hpp>
 
-#include "cli/drive_simulator.hpp"
-#include "cli/evaluation.hpp"
+#include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 constexpr std::size_t kBeams = 1080;
@@ -33,12 +33,12 @@ T value_of(Result<T> result) {
 
 struct Drives {
   Evaluation mapped;
-  evaluation::RecordedLog robot;
+  RecordedLog robot;
 };
 
 Drives simulate_drives() {
   const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  const evaluation::RecordedLog mapping = value_of(simulate_drive(
+  const RecordedLog mapping = value_of(simulate_drive(
       willow, {.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1}));
   return {map_from(mapping, mapping.scans.size(), {}),
           value_of(simulate_drive(willow,
@@ -93,4 +93,4 @@ BENCHMARK_CAPTURE(scan, rma, Method::kRma)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation

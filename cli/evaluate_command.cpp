@@ -11,16 +11,16 @@
 #include <utility>
 
 #include "cli/command.hpp"
-#include "cli/evaluation.hpp"
-#include "cli/evaluation_report.hpp"
-#include "cli/explain.hpp"
 #include "cli/progress.hpp"
-#include "cli/report_score.hpp"
-#include "cli/single_scan.hpp"
-#include "cli/slam_run.hpp"
-#include "cli/trajectory_score.hpp"
 #include "cli/whole_log.hpp"
 #include "evaluation/datasets/log_split.hpp"
+#include "evaluation/metrics/evaluation_report.hpp"
+#include "evaluation/metrics/explanation.hpp"
+#include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/metrics/report_score.hpp"
+#include "evaluation/metrics/single_scan.hpp"
+#include "evaluation/metrics/slam_run.hpp"
+#include "evaluation/metrics/trajectory_score.hpp"
 
 namespace cornerfix::cli {
 
@@ -47,7 +47,7 @@ struct EvaluateArguments {
   bool single_scan = false;
   std::optional<std::size_t> explained_start;
   std::string odometry_fault;
-  EvaluationOptions options;
+  evaluation::EvaluationOptions options;
 
   /// The log that makes the map; empty when a part of the log that asks does.
   [[nodiscard]] const std::string& mapping_log() const {
@@ -56,7 +56,7 @@ struct EvaluateArguments {
 };
 
 /// Progress of work that counts what is done.
-ShareDone show_on(Progress& progress) {
+evaluation::ShareDone show_on(Progress& progress) {
   return [&progress](std::size_t done, std::size_t all) {
     progress.update(static_cast<double>(done) / static_cast<double>(all));
   };
@@ -65,14 +65,15 @@ ShareDone show_on(Progress& progress) {
 /// The first scans of a log. SLAM's keyframes have SLAM's poses, moved as a whole to lie as near as
 /// possible to the reference poses.
 Result<evaluation::RecordedLog> with_slam_poses(const evaluation::RecordedLog& log, std::size_t end,
-                                                const EvaluationOptions& options) {
+                                                const evaluation::EvaluationOptions& options) {
   evaluation::RecordedLog posed{
       log.header, {log.scans.begin(), log.scans.begin() + static_cast<std::ptrdiff_t>(end)}};
   Progress progress("slam");
-  const Result<SlamRun> run = run_slam(posed.scans, options.use_odometry, options.mapper,
-                                       [&](double share) { progress.update(share); });
+  const Result<evaluation::SlamRun> run =
+      evaluation::run_slam(posed.scans, options.use_odometry, options.mapper,
+                           [&](double share) { progress.update(share); });
   if (!run) return run.error();
-  const Pose2 T_map_slam = align_to_reference(posed.scans, run->T_map_laser);
+  const Pose2 T_map_slam = evaluation::align_to_reference(posed.scans, run->T_map_laser);
   for (evaluation::LogScan& scan : posed.scans) {
     scan.T_map_laser.reset();
     scan.is_key_scan = false;
@@ -84,16 +85,18 @@ Result<evaluation::RecordedLog> with_slam_poses(const evaluation::RecordedLog& l
   return posed;
 }
 
-Evaluation map_at_poses(const evaluation::RecordedLog& log, std::span<const std::size_t> mapping,
-                        const MapperParams& params) {
+evaluation::Evaluation map_at_poses(const evaluation::RecordedLog& log,
+                                    std::span<const std::size_t> mapping,
+                                    const MapperParams& params) {
   Progress progress("mapping");
-  return map_from(log, mapping, params, show_on(progress));
+  return evaluation::map_from(log, mapping, params, show_on(progress));
 }
 
 /// The map of the scans with these indices, one at least; with SLAM, of all scans up to the last of
 /// them.
-Result<Evaluation> map_of(const evaluation::RecordedLog& log, std::span<const std::size_t> mapping,
-                          const EvaluateArguments& arguments) {
+Result<evaluation::Evaluation> map_of(const evaluation::RecordedLog& log,
+                                      std::span<const std::size_t> mapping,
+                                      const EvaluateArguments& arguments) {
   const MapperParams& params = arguments.options.mapper;
   if (!arguments.slam) return map_at_poses(log, mapping, params);
   const std::size_t end = mapping.back() + 1;
@@ -124,8 +127,9 @@ Result<evaluation::RecordedLog> read_drives(const EvaluateArguments& arguments) 
   return log;
 }
 
-Result<Evaluation> map_of_all(const evaluation::RecordedLog& log, const std::string& path,
-                              const EvaluateArguments& arguments) {
+Result<evaluation::Evaluation> map_of_all(const evaluation::RecordedLog& log,
+                                          const std::string& path,
+                                          const EvaluateArguments& arguments) {
   const auto mapping = evaluation::posed_scans(log, 0, log.scans.size());
   if (mapping.empty()) {
     return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose", path};
@@ -134,11 +138,12 @@ Result<Evaluation> map_of_all(const evaluation::RecordedLog& log, const std::str
 }
 
 /// A map to search beside the right one: of all of a log, or of an occupancy map.
-Result<Evaluation> further_map(const std::string& path, const EvaluateArguments& arguments) {
+Result<evaluation::Evaluation> further_map(const std::string& path,
+                                           const EvaluateArguments& arguments) {
   if (std::filesystem::path(path).extension() == ".yaml") {
     evaluation::RecordedLog nowhere;
     nowhere.header.name = path;
-    return map_from_floor_map(path, nowhere, arguments.options.mapper);
+    return evaluation::map_from_floor_map(path, nowhere, arguments.options.mapper);
   }
   const Result<evaluation::RecordedLog> log =
       read_whole_log(path, arguments.selection, arguments.stride);
@@ -147,7 +152,7 @@ Result<Evaluation> further_map(const std::string& path, const EvaluateArguments&
 }
 
 /// The map of the given log, updated by those of later runs.
-Result<Evaluation> map_of_drives(const EvaluateArguments& arguments) {
+Result<evaluation::Evaluation> map_of_drives(const EvaluateArguments& arguments) {
   const Result<evaluation::RecordedLog> log = read_drives(arguments);
   if (!log) return log.error();
   return map_of_all(*log, arguments.mapping_log(), arguments);
@@ -171,9 +176,9 @@ Result<void> write_out(const std::string& path, const nlohmann::ordered_json& su
 
 /// Rows join those of earlier calls, so that one file gathers many logs.
 Result<void> append_samples(const std::string& path, const std::string& name,
-                            const std::vector<StartRecord>& records) {
+                            const std::vector<evaluation::StartRecord>& records) {
   return write_file(path, std::ios::app, [&](std::ofstream& csv) {
-    write_samples(csv, name, records, csv.tellp() == 0);
+    evaluation::write_samples(csv, name, records, csv.tellp() == 0);
   });
 }
 
@@ -184,7 +189,7 @@ std::string sample_name(const EvaluateArguments& arguments, const std::string& l
 
 /// Words of the command line that are no numbers.
 void parse_words(EvaluateArguments& arguments) {
-  EvaluationOptions& options = arguments.options;
+  evaluation::EvaluationOptions& options = arguments.options;
   const auto method = method_from_string(arguments.method);
   if (!method) throw CLI::ValidationError("--method", "unknown method " + arguments.method);
   options.localizer.method = *method;
@@ -201,7 +206,7 @@ void parse_words(EvaluateArguments& arguments) {
 struct Task {
   evaluation::RecordedLog log;
   std::vector<std::size_t> asking;
-  Evaluation evaluation;
+  evaluation::Evaluation evaluation;
   std::vector<LocalizationMapPtr> maps;  ///< The right one first.
 };
 
@@ -211,8 +216,8 @@ Result<Task> prepare(const EvaluateArguments& arguments, const evaluation::LogSp
   if (!log) return log.error();
   Task task{std::move(*log), {}, {}, {}};
   if (!arguments.map_grid.empty()) {
-    Result<Evaluation> made =
-        map_from_floor_map(arguments.map_grid, task.log, arguments.options.mapper);
+    Result<evaluation::Evaluation> made =
+        evaluation::map_from_floor_map(arguments.map_grid, task.log, arguments.options.mapper);
     if (!made) return made.error();
     task.asking = evaluation::posed_scans(task.log, 0, task.log.scans.size());
     task.evaluation = std::move(*made);
@@ -222,13 +227,13 @@ Result<Task> prepare(const EvaluateArguments& arguments, const evaluation::LogSp
       return Error{ErrorCode::kInvalidArgument, "holds no scan with a pose in the part that maps",
                    arguments.log};
     }
-    Result<Evaluation> mapped = map_of(task.log, divided.mapping, arguments);
+    Result<evaluation::Evaluation> mapped = map_of(task.log, divided.mapping, arguments);
     if (!mapped) return mapped.error();
     task.asking = std::move(divided.asking);
     task.evaluation = std::move(*mapped);
     task.evaluation.split = arguments.split;
   } else {
-    Result<Evaluation> mapped = map_of_drives(arguments);
+    Result<evaluation::Evaluation> mapped = map_of_drives(arguments);
     if (!mapped) return mapped.error();
     task.asking = evaluation::posed_scans(task.log, 0, task.log.scans.size());
     task.evaluation = std::move(*mapped);
@@ -239,7 +244,7 @@ Result<Task> prepare(const EvaluateArguments& arguments, const evaluation::LogSp
   }
   task.maps.push_back(task.evaluation.map);
   for (const std::string& path : arguments.further_maps) {
-    const Result<Evaluation> further = further_map(path, arguments);
+    const Result<evaluation::Evaluation> further = further_map(path, arguments);
     if (!further) return further.error();
     task.maps.push_back(further->map);
   }
@@ -254,7 +259,7 @@ struct Reference {
 
 /// In a building of its own no pose is near a mapped one and every answer is wrong.
 Reference reference_of(const EvaluateArguments& arguments, const Task& task) {
-  if (!arguments.other_map_log.empty()) return {kNoMap, {}};
+  if (!arguments.other_map_log.empty()) return {evaluation::kNoMap, {}};
   return {0, task.evaluation.mapping_positions};
 }
 
@@ -263,11 +268,11 @@ void run_starts(const EvaluateArguments& arguments, Task& task) {
   Progress progress("starts");
   const auto begin = std::chrono::steady_clock::now();
   task.evaluation.records =
-      evaluate(task.log, task.asking, task.maps, reference.right_map, reference.mapping_positions,
-               arguments.options, show_on(progress));
+      evaluation::evaluate(task.log, task.asking, task.maps, reference.right_map,
+                           reference.mapping_positions, arguments.options, show_on(progress));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   task.evaluation.wall_s = wall.count();
-  if (std::ranges::none_of(task.evaluation.records, &StartRecord::counts)) {
+  if (std::ranges::none_of(task.evaluation.records, &evaluation::StartRecord::counts)) {
     warn(arguments.log,
          "no start counts: none has the driving of --way or the time of --time ahead");
   }
@@ -275,15 +280,15 @@ void run_starts(const EvaluateArguments& arguments, Task& task) {
 
 int run_single_scans(const EvaluateArguments& arguments, const Task& task) {
   const Reference reference = reference_of(arguments, task);
-  std::vector<SingleScanRecord> records;
+  std::vector<evaluation::SingleScanRecord> records;
   {
     Progress progress("scans");
-    records =
-        evaluate_single_scans(task.log, task.asking, task.maps, reference.right_map,
-                              reference.mapping_positions, arguments.options, show_on(progress));
+    records = evaluation::evaluate_single_scans(task.log, task.asking, task.maps,
+                                                reference.right_map, reference.mapping_positions,
+                                                arguments.options, show_on(progress));
   }
   const nlohmann::ordered_json summary =
-      single_scan_summary_json(task.log.header.name, records, arguments.options.near_m);
+      evaluation::single_scan_summary_json(task.log.header.name, records, arguments.options.near_m);
   std::printf("%s\n", summary.dump(1).c_str());
   if (arguments.out.empty()) return kDone;
   const Result<void> written = write_out(arguments.out, summary, records, single_scan_record_json);
@@ -292,16 +297,17 @@ int run_single_scans(const EvaluateArguments& arguments, const Task& task) {
 
 /// DIR/start_N.json and DIR/start_N.png.
 Result<void> write_explanation(const std::filesystem::path& directory,
-                               const Explanation& explanation, const LocalizationMap* right_map) {
+                               const evaluation::Explanation& explanation,
+                               const LocalizationMap* right_map) {
   std::error_code failure;
   std::filesystem::create_directories(directory, failure);
   const std::string stem =
       (directory / ("start_" + std::to_string(explanation.record.start))).string();
-  const nlohmann::ordered_json json = explanation_json(explanation, right_map);
+  const nlohmann::ordered_json json = evaluation::explanation_json(explanation, right_map);
   Result<void> written = write_file(stem + ".json", std::ios::out,
                                     [&](std::ostream& file) { file << json.dump(1) << '\n'; });
   if (!written || !explanation.decision) return written;
-  const std::string png = draw_decision(*explanation.decision, right_map).encode();
+  const std::string png = evaluation::draw_decision(*explanation.decision, right_map).encode();
   return write_file(stem + ".png", std::ios::out | std::ios::binary,
                     [&](std::ostream& file) { file << png; });
 }
@@ -313,25 +319,25 @@ int run_explain(const EvaluateArguments& arguments, const Task& task) {
                  "scan " + std::to_string(start) + " has no pose or does not ask", arguments.log});
   }
   const Reference reference = reference_of(arguments, task);
-  const Explanation explanation =
-      explain(task.log, task.asking, start, task.maps, reference.right_map,
-              reference.mapping_positions, arguments.options);
+  const evaluation::Explanation explanation =
+      evaluation::explain(task.log, task.asking, start, task.maps, reference.right_map,
+                          reference.mapping_positions, arguments.options);
   const LocalizationMap* right_map =
-      reference.right_map == kNoMap ? nullptr : task.maps[reference.right_map].get();
+      reference.right_map == evaluation::kNoMap ? nullptr : task.maps[reference.right_map].get();
   const Result<void> written = write_explanation(arguments.out, explanation, right_map);
   if (!written) return fail(written.error());
-  std::printf("%s\n", explanation_json(explanation, right_map).dump(1).c_str());
+  std::printf("%s\n", evaluation::explanation_json(explanation, right_map).dump(1).c_str());
   return kDone;
 }
 
 Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ordered_json& summary,
                          const Task& task) {
-  const std::vector<StartRecord>& records = task.evaluation.records;
+  const std::vector<evaluation::StartRecord>& records = task.evaluation.records;
   Result<void> written;
   if (!arguments.out.empty()) written = write_out(arguments.out, summary, records, record_json);
   if (written && !arguments.csv.empty()) {
     written = write_file(arguments.csv, std::ios::out,
-                         [&](std::ostream& csv) { write_records(csv, records); });
+                         [&](std::ostream& csv) { evaluation::write_records(csv, records); });
   }
   if (written && !arguments.samples.empty()) {
     written =
@@ -340,7 +346,7 @@ Result<void> write_files(const EvaluateArguments& arguments, const nlohmann::ord
   return written;
 }
 
-nlohmann::ordered_json report_json(const ReportScore& score) {
+nlohmann::ordered_json report_json(const evaluation::ReportScore& score) {
   return {{"places", score.simulated_places},
           {"success", score.success},
           {"starts", score.starts},
@@ -364,9 +370,10 @@ int run_evaluate(EvaluateArguments& arguments) {
   if (arguments.explained_start) return run_explain(arguments, *task);
   run_starts(arguments, *task);
   nlohmann::ordered_json summary =
-      summary_json(task->log.header.name, task->evaluation, arguments.options);
+      evaluation::summary_json(task->log.header.name, task->evaluation, arguments.options);
   if (arguments.report)
-    summary["report"] = report_json(score_report(task->log, task->evaluation, arguments.options));
+    summary["report"] =
+        report_json(evaluation::score_report(task->log, task->evaluation, arguments.options));
   std::printf("%s\n", summary.dump(1).c_str());
   const Result<void> written = write_files(arguments, summary, *task);
   return written ? kDone : fail(written.error());
@@ -409,7 +416,7 @@ void add_map_options(CLI::App& command, EvaluateArguments& arguments) {
       ->excludes(update_logs);
 }
 
-void add_start_options(CLI::App& command, EvaluationOptions& options) {
+void add_start_options(CLI::App& command, evaluation::EvaluationOptions& options) {
   command.add_option("--starts", options.starts, "Robots switched on along LOG")
       ->check(above_zero());
   command

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "cli/command.hpp"
-#include "cli/fleet_load.hpp"
 #include "cli/server_connection.hpp"
 #include "cli/table.hpp"
 #include "cli/whole_log.hpp"
+#include "clients/cpp/fleet_load.hpp"
 #include "evaluation/metrics/percentile.hpp"
 
 namespace cornerfix::cli {
@@ -16,7 +16,7 @@ namespace cornerfix::cli {
 namespace {
 
 struct LoadArguments {
-  FleetOptions fleet;
+  client::FleetOptions fleet;
   std::string log;
   evaluation::LogSelection selection;
   bool json = false;
@@ -25,11 +25,11 @@ struct LoadArguments {
 constexpr double kPercentiles[] = {0.5, 0.95, 0.99, 1.0};
 constexpr const char* kPercentileNames[] = {"p50", "p95", "p99", "max"};
 
-double latency_ms(const BatchTally& tally, double share) {
+double latency_ms(const client::BatchTally& tally, double share) {
   return tally.latencies_ms.empty() ? 0.0 : evaluation::percentile(tally.latencies_ms, share);
 }
 
-nlohmann::ordered_json json_of(const BatchTally& tally) {
+nlohmann::ordered_json json_of(const client::BatchTally& tally) {
   nlohmann::ordered_json json = {{"offered", tally.offered}, {"served", tally.served},
                                  {"late", tally.late},       {"shed", tally.shed},
                                  {"failed", tally.failed},   {"localized", tally.localized}};
@@ -41,16 +41,16 @@ nlohmann::ordered_json json_of(const BatchTally& tally) {
   return json;
 }
 
-std::size_t served_when_all_were_on(const FleetReport& report) {
+std::size_t served_when_all_were_on(const client::FleetReport& report) {
   return report.tracking.served + report.searching.served;
 }
 
-double cpu_ms_per_batch(const FleetReport& report) {
+double cpu_ms_per_batch(const client::FleetReport& report) {
   const std::size_t served = served_when_all_were_on(report);
   return served == 0 ? 0.0 : 1e3 * report.server_cpu_s / static_cast<double>(served);
 }
 
-void print_json(const LoadArguments& arguments, const FleetReport& report) {
+void print_json(const LoadArguments& arguments, const client::FleetReport& report) {
   const nlohmann::ordered_json json = {{"robots", arguments.fleet.robots},
                                        {"batches_per_s", arguments.fleet.batches_per_s},
                                        {"scans_per_batch", arguments.fleet.batch},
@@ -69,7 +69,7 @@ std::string tenths(double value) {
   return text;
 }
 
-std::vector<std::string> row_of(const char* name, const BatchTally& tally) {
+std::vector<std::string> row_of(const char* name, const client::BatchTally& tally) {
   std::vector<std::string> row = {name};
   for (const std::size_t count :
        {tally.offered, tally.served, tally.late, tally.shed, tally.failed, tally.localized})
@@ -78,7 +78,7 @@ std::vector<std::string> row_of(const char* name, const BatchTally& tally) {
   return row;
 }
 
-void print_text(const FleetReport& report) {
+void print_text(const client::FleetReport& report) {
   std::vector<std::vector<std::string>> rows = {{"robots", "offered", "served", "late", "shed",
                                                  "failed", "localized", "p50 ms", "p95 ms",
                                                  "p99 ms", "max ms"}};
@@ -93,16 +93,16 @@ void print_text(const FleetReport& report) {
 int run_load(const LoadArguments& arguments) {
   const Result<evaluation::RecordedLog> log = read_whole_log(arguments.log, arguments.selection);
   if (!log) return fail(log.error());
-  const Result<FleetReport> report = run_fleet(arguments.fleet, *log);
+  const Result<client::FleetReport> report = client::run_fleet(arguments.fleet, *log);
   if (!report) return fail(report.error());
   arguments.json ? print_json(arguments, *report) : print_text(*report);
-  BatchTally all = report->tracking;
+  client::BatchTally all = report->tracking;
   all.add(report->searching);
   return all.served == all.offered && all.late == 0 ? kDone : kCouldNot;
 }
 
 void add_options(CLI::App& command, LoadArguments& arguments) {
-  FleetOptions& fleet = arguments.fleet;
+  client::FleetOptions& fleet = arguments.fleet;
   add_log(command, arguments.log);
   add_selection(command, arguments.selection);
   command.add_option("--map", fleet.map, "Map to look in (default: all that the server has)")

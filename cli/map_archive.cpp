@@ -14,7 +14,7 @@ namespace cornerfix::cli {
 namespace {
 
 std::string archive_path(const std::string& map) {
-  return "/v1/maps/" + percent_encode(map) + "/archive";
+  return "/v1/maps/" + client::percent_encode(map) + "/archive";
 }
 
 /// Whole or not at all: what was there stays until the last byte is written.
@@ -42,7 +42,7 @@ Result<std::string> read_file(const std::string& path) {
 int run_map_export(const MapArchiveArguments& arguments) {
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  HttpRequest request{"GET", archive_path(arguments.name)};
+  client::HttpRequest request{"GET", archive_path(arguments.name)};
   request.answer_path = arguments.file;
   const Result<std::string> bytes = server->fetch(request);
   if (!bytes) return fail(bytes.error());
@@ -61,7 +61,7 @@ int run_map_restore(const MapArchiveArguments& arguments) {
     return fail({ErrorCode::kInvalidArgument, "is empty, so it is no map", arguments.file});
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  HttpRequest request{"POST", archive_path(arguments.name), std::move(*bytes)};
+  client::HttpRequest request{"POST", archive_path(arguments.name), std::move(*bytes)};
   request.content_type = server::kArchiveType;
   request.body_path = arguments.file;
   const Result<nlohmann::json> map = server->call(request);

@@ -12,7 +12,7 @@
 #include "api/requests.hpp"
 #include "cli/command.hpp"
 #include "cli/progress.hpp"
-#include "cli/scan_json.hpp"
+#include "clients/cpp/scan_json.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
 
@@ -76,21 +76,22 @@ std::optional<std::string> description_body(const MapBuildArguments& arguments,
   nlohmann::ordered_json body;
   if (known && known->is_floor_map) return std::nullopt;
   if (!known || !known->description) body["description"] = "from " + file_name(arguments.log);
-  if (!known || !known->lidar) body["lidar"] = lidar_json(header);
+  if (!known || !known->lidar) body["lidar"] = client::lidar_json(header);
   if (body.empty()) return std::nullopt;
   return body.dump();
 }
 
 // --- over HTTP ----------------------------------------------------------------------------------
 
-HttpRequest batch_request(const std::string& map, const evaluation::LogHeader& header,
-                          std::span<const evaluation::LogScan> scans, bool without_poses) {
+client::HttpRequest batch_request(const std::string& map, const evaluation::LogHeader& header,
+                                  std::span<const evaluation::LogScan> scans, bool without_poses) {
   auto list = nlohmann::ordered_json::array();
   for (const evaluation::LogScan& scan : scans)
-    list.push_back(without_poses ? robot_scan_json(header, scan, true)
-                                 : posed_scan_json(header, scan));
-  const nlohmann::ordered_json body = {{"lidar", lidar_json(header)}, {"scans", std::move(list)}};
-  return {"POST", "/v1/maps/" + percent_encode(map) + "/scans", body.dump()};
+    list.push_back(without_poses ? client::robot_scan_json(header, scan, true)
+                                 : client::posed_scan_json(header, scan));
+  const nlohmann::ordered_json body = {{"lidar", client::lidar_json(header)},
+                                       {"scans", std::move(list)}};
+  return {"POST", "/v1/maps/" + client::percent_encode(map) + "/scans", body.dump()};
 }
 
 Growth growth_from_json(const nlohmann::json& answer) {
@@ -105,7 +106,7 @@ Growth growth_from_json(const nlohmann::json& answer) {
 /// Makes the map, or adds the description and lidar that it does not have.
 Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arguments,
                           const evaluation::LogHeader& header) {
-  const std::string path = "/v1/maps/" + percent_encode(arguments.name);
+  const std::string path = "/v1/maps/" + client::percent_encode(arguments.name);
   std::optional<KnownOfMap> known;
   if (!server.is_printing()) {
     const Result<nlohmann::json> map = server.call({"GET", path});
@@ -140,7 +141,7 @@ Result<Growth> build_over_http(const MapBuildArguments& arguments,
   if (!growth || !arguments.scans.without_poses) return growth;
   // The first request for the map optimises its trajectory.
   const Result<nlohmann::json> ready =
-      server->call({"GET", "/v1/maps/" + percent_encode(arguments.name) + "/features"});
+      server->call({"GET", "/v1/maps/" + client::percent_encode(arguments.name) + "/features"});
   if (!ready) return ready.error();
   growth->features = ready->value("features", nlohmann::json::array()).size();
   return growth;
@@ -170,7 +171,7 @@ std::vector<PosedScan> posed_scans(std::span<const evaluation::LogScan> scans) {
   std::vector<PosedScan> posed;
   posed.reserve(scans.size());
   for (const evaluation::LogScan& scan : scans)
-    posed.push_back({as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
+    posed.push_back({client::as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
   return posed;
 }
 
@@ -178,7 +179,7 @@ std::vector<RobotScan> robot_scans(std::span<const evaluation::LogScan> scans) {
   std::vector<RobotScan> robot;
   robot.reserve(scans.size());
   for (const evaluation::LogScan& scan : scans)
-    robot.push_back({as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
+    robot.push_back({client::as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
   return robot;
 }
 

@@ -20,7 +20,7 @@ struct MapArguments {
   std::string name;
 };
 
-std::string path_of(const std::string& map) { return "/v1/maps/" + percent_encode(map); }
+std::string path_of(const std::string& map) { return "/v1/maps/" + client::percent_encode(map); }
 
 std::string text(const nlohmann::json& object, const char* key) {
   const auto member = object.find(key);
@@ -46,7 +46,8 @@ int list_maps(const ConnectionOptions& options) {
       {"NAME", "REVISION", "KEY FRAMES", "FEATURES", "SIZE", "UPDATED"}};
   std::string page_token;
   do {
-    const std::string query = page_token.empty() ? "" : "?page_token=" + percent_encode(page_token);
+    const std::string query =
+        page_token.empty() ? "" : "?page_token=" + client::percent_encode(page_token);
     const Result<nlohmann::json> page = server->call({"GET", "/v1/maps" + query});
     if (!page) return fail(page.error());
     if (server->is_printing()) return kDone;

@@ -52,7 +52,8 @@ Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles 
     if (!packed) return packed.error();
     warnings = std::move(*packed);
   }
-  HttpRequest request{"PUT", "/v1/maps/" + percent_encode(arguments.name) + "/grid"};
+  client::HttpRequest request{"PUT",
+                              "/v1/maps/" + client::percent_encode(arguments.name) + "/grid"};
   request.form = {{"yaml", arguments.yaml, std::move(files.yaml)},
                   {"image", files.image_path.string(), std::move(files.image)}};
   const Result<nlohmann::json> answer = server->call(request);

@@ -68,7 +68,7 @@ void print_report(const nlohmann::json& report) {
 
 Result<void> write_picture(ServerConnection& server, const std::string& path,
                            const std::string& file_path) {
-  HttpRequest request{"GET", path + ".svg"};
+  client::HttpRequest request{"GET", path + ".svg"};
   request.answer_path = file_path;
   const Result<std::string> svg = server.fetch(request);
   if (!svg) return svg.error();
@@ -85,7 +85,7 @@ Result<void> write_picture(ServerConnection& server, const std::string& path,
 int run_map_report(const MapReportArguments& arguments) {
   Result<ServerConnection> server = ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  const std::string path = "/v1/maps/" + percent_encode(arguments.name) + "/report";
+  const std::string path = "/v1/maps/" + client::percent_encode(arguments.name) + "/report";
   const Result<nlohmann::json> report =
       server->is_printing() ? server->call({"GET", path}) : wait_for_report(*server, path);
   if (!report) return fail(report.error());

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "cli/command.hpp"
-#include "cli/degrees.hpp"
 #include "cli/progress.hpp"
-#include "cli/scan_json.hpp"
 #include "cli/server_connection.hpp"
+#include "clients/cpp/scan_json.hpp"
 #include "evaluation/datasets/log_position.hpp"
 #include "evaluation/datasets/log_survey.hpp"
+#include "evaluation/metrics/degrees.hpp"
 
 namespace cornerfix::cli {
 
@@ -128,14 +128,14 @@ class Way {
 std::string pose_text(const Pose2& pose) {
   char text[96];
   std::snprintf(text, sizeof text, "x %.2f m, y %.2f m, yaw %.1f deg", pose.x, pose.y,
-                pose.yaw * kDegreesPerRadian);
+                pose.yaw * evaluation::kDegreesPerRadian);
   return text;
 }
 
 std::string error_text(const Pose2& pose, const Pose2& truth) {
   char text[96];
   std::snprintf(text, sizeof text, "error %.2f m, %.1f deg", distance(pose, truth),
-                angle_between(pose, truth) * kDegreesPerRadian);
+                angle_between(pose, truth) * evaluation::kDegreesPerRadian);
   return text;
 }
 
@@ -156,7 +156,8 @@ void print_answer(const nlohmann::json& answer, double seconds, double way,
                   const evaluation::LogScan& last) {
   std::printf("%8.1f s %7.2f m  %-10s", seconds, way, answer.value("status", "?").c_str());
   const auto pose_member = answer.find("pose");
-  const auto pose = pose_member == answer.end() ? std::nullopt : pose_from_json(*pose_member);
+  const auto pose =
+      pose_member == answer.end() ? std::nullopt : client::pose_from_json(*pose_member);
   if (!pose) {
     std::printf("  %s\n", reason_text(answer).c_str());
   } else {
@@ -180,19 +181,19 @@ class Robot {
   Result<void> switch_on() {
     nlohmann::ordered_json body = {{"robot", arguments_.robot}, {"map", nullptr}};
     if (!arguments_.map.empty()) body["map"] = arguments_.map;
-    body["lidar"] = lidar_json(header_);
+    body["lidar"] = client::lidar_json(header_);
     const auto answer =
         server_.call({"POST", "/v1/sessions", body.dump(), /*creates_session=*/true});
     if (!answer) return answer.error();
-    session_ = server_.is_printing() ? std::string(kSessionVariable)
-                                     : percent_encode(answer->value("id", ""));
+    session_ = server_.is_printing() ? std::string(client::kSessionVariable)
+                                     : client::percent_encode(answer->value("id", ""));
     return {};
   }
 
   Result<nlohmann::json> post(std::span<const evaluation::LogScan> batch) {
     auto scans = nlohmann::ordered_json::array();
     for (const evaluation::LogScan& scan : batch) {
-      scans.push_back(robot_scan_json(header_, scan, !arguments_.no_odometry));
+      scans.push_back(client::robot_scan_json(header_, scan, !arguments_.no_odometry));
     }
     const nlohmann::ordered_json body = {{"sequence", sequence_++}, {"scans", std::move(scans)}};
     return server_.call({"POST", "/v1/sessions/" + session_ + "/scans", body.dump()});

@@ -22,7 +22,7 @@ constexpr const char* kLocalized = "localized";
 constexpr const char* kConfirmed = "confirmed";
 
 struct Ros2Arguments {
-  ServerAddress server;
+  client::ServerAddress server;
   std::string when = kLocalized;
   BridgeOptions bridge;
 };

@@ -20,7 +20,7 @@ std::filesystem::path curl_body_directory() {
 
 CLI::Validator server_url() {
   return {[](std::string& url) {
-            const auto client = HttpClient::create({.url = url, .token = {}});
+            const auto client = client::HttpClient::create({.url = url, .token = {}});
             return client ? std::string() : client.error().message + ", not " + url;
           },
           "URL"};
@@ -28,7 +28,7 @@ CLI::Validator server_url() {
 
 }  // namespace
 
-void add_server_options(CLI::App& command, ServerAddress& server) {
+void add_server_options(CLI::App& command, client::ServerAddress& server) {
   command.add_option("--server", server.url, "URL of the server")
       ->check(server_url())
       ->capture_default_str()
@@ -47,14 +47,14 @@ void add_connection_options(CLI::App& command, ConnectionOptions& options) {
 }
 
 Result<ServerConnection> ServerConnection::open(const ConnectionOptions& options) {
-  Result<HttpClient> client = HttpClient::create(options.server);
+  Result<client::HttpClient> client = client::HttpClient::create(options.server);
   if (!client) return client.error();
   ServerConnection connection(std::move(*client));
   if (options.print_curl) connection.curl_.emplace(options.server, curl_body_directory());
   return connection;
 }
 
-Result<nlohmann::json> ServerConnection::call(const HttpRequest& request) {
+Result<nlohmann::json> ServerConnection::call(const client::HttpRequest& request) {
   if (curl_) return print(request);
   const Result<std::string> body = client_.send(request);
   if (!body) return body.error();
@@ -67,14 +67,14 @@ Result<nlohmann::json> ServerConnection::call(const HttpRequest& request) {
   return json;
 }
 
-Result<std::string> ServerConnection::fetch(const HttpRequest& request) {
+Result<std::string> ServerConnection::fetch(const client::HttpRequest& request) {
   if (!curl_) return client_.send(request);
   const Result<nlohmann::json> printed = print(request);
   if (!printed) return printed.error();
   return std::string();
 }
 
-Result<nlohmann::json> ServerConnection::print(const HttpRequest& request) {
+Result<nlohmann::json> ServerConnection::print(const client::HttpRequest& request) {
   const Result<std::string> line = curl_->line(request);
   if (!line) return line.error();
   std::printf("%s\n", line->c_str());

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "cli/command.hpp"
-#include "cli/drive_simulator.hpp"
 #include "cli/progress.hpp"
 #include "evaluation/datasets/log_writer.hpp"
 #include "evaluation/simulation/odometry_fault.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 
 namespace cornerfix::cli {
 
@@ -24,7 +24,7 @@ struct SimulateArguments {
   std::string name;
   double field_of_view_deg = 270.0;
   std::string odometry_fault;
-  DriveOptions drive;
+  evaluation::DriveOptions drive;
 };
 
 std::string plain_stem(const std::filesystem::path& path) {
@@ -84,8 +84,8 @@ Result<evaluation::RecordedLog> simulate(const SimulateArguments& arguments) {
   }
   Progress progress("driving");
   Result<evaluation::RecordedLog> log =
-      simulate_drive(*map, arguments.drive, inside ? &*inside : nullptr,
-                     [&](double share) { progress.update(share); });
+      evaluation::simulate_drive(*map, arguments.drive, inside ? &*inside : nullptr,
+                                 [&](double share) { progress.update(share); });
   if (!log) return log;
   corrupt_odometry(*log, arguments);
   log->header.name = arguments.name.empty() ? plain_stem(arguments.out) : arguments.name;
@@ -95,7 +95,7 @@ Result<evaluation::RecordedLog> simulate(const SimulateArguments& arguments) {
 
 int run_simulate(SimulateArguments& arguments) {
   arguments.drive.field_of_view_rad = arguments.field_of_view_deg * kRadiansPerDegree;
-  if (const auto error = validate(arguments.drive)) {
+  if (const auto error = evaluation::validate(arguments.drive)) {
     throw CLI::ValidationError(error->field, error->message);
   }
   const Result<evaluation::RecordedLog> log = simulate(arguments);
@@ -111,7 +111,7 @@ int run_simulate(SimulateArguments& arguments) {
 
 void add_simulate_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SimulateArguments>();
-  DriveOptions& drive = arguments->drive;
+  evaluation::DriveOptions& drive = arguments->drive;
   CLI::App* command = app.add_subcommand(
       "simulate", "Drive a simulated lidar through a floor map and record what it sees");
   command->option_defaults()->always_capture_default();

@@ -12,10 +12,10 @@
 
 #include "cli/command.hpp"
 #include "cli/progress.hpp"
-#include "cli/revisit_score.hpp"
-#include "cli/slam_run.hpp"
-#include "cli/trajectory_score.hpp"
 #include "cli/whole_log.hpp"
+#include "evaluation/metrics/revisit_score.hpp"
+#include "evaluation/metrics/slam_run.hpp"
+#include "evaluation/metrics/trajectory_score.hpp"
 
 namespace cornerfix::cli {
 
@@ -39,13 +39,13 @@ nlohmann::ordered_json spread(std::vector<double> values, double unit) {
   return {{"mean", rounded(mean / unit)}, {"p50", at(0.5)}, {"p95", at(0.95)}, {"max", at(1.0)}};
 }
 
-nlohmann::ordered_json spreads(const RelativePoseError& error) {
+nlohmann::ordered_json spreads(const evaluation::RelativePoseError& error) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   return {{"error_m", spread(error.errors_m, 1.0)},
           {"error_deg", spread(error.errors_rad, kDegree)}};
 }
 
-nlohmann::ordered_json error_json(const RelativePoseError& error) {
+nlohmann::ordered_json error_json(const evaluation::RelativePoseError& error) {
   nlohmann::ordered_json json = {{"way_m", error.way_m}, {"relations", error.errors_m.size()}};
   json.update(spreads(error));
   return json;
@@ -53,8 +53,8 @@ nlohmann::ordered_json error_json(const RelativePoseError& error) {
 
 /// The errors of the trajectory, and of the log's reference, over pairs of scans of one place.
 nlohmann::ordered_json revisits_json(std::span<const evaluation::LogScan> scans,
-                                     const SlamRun& run) {
-  std::vector<std::size_t> indices = reference_scans(scans);
+                                     const evaluation::SlamRun& run) {
+  std::vector<std::size_t> indices = evaluation::reference_scans(scans);
   std::vector<std::vector<Pose2>> trajectories = {run.T_map_laser};
   if (indices.empty()) {
     indices = run.key_scans;
@@ -63,7 +63,7 @@ nlohmann::ordered_json revisits_json(std::span<const evaluation::LogScan> scans,
     for (const evaluation::LogScan& scan : scans)
       trajectories.back().push_back(scan.T_map_laser.value_or(Pose2{}));
   }
-  const RevisitScore score = score_revisits(scans, indices, trajectories);
+  const evaluation::RevisitScore score = evaluation::score_revisits(scans, indices, trajectories);
   nlohmann::ordered_json json = {{"pairs", score.pairs}, {"undecided", score.undecided}};
   if (score.pairs == 0) return json;
   json["found"] = spreads(score.errors.front());
@@ -76,8 +76,8 @@ int run_slam_command(const SlamArguments& arguments) {
   if (!log) return fail(log.error());
   Progress progress("slam");
   const std::clock_t begin = std::clock();
-  const Result<SlamRun> run = run_slam(log->scans, !arguments.no_odometry, {},
-                                       [&](double share) { progress.update(share); });
+  const Result<evaluation::SlamRun> run = evaluation::run_slam(
+      log->scans, !arguments.no_odometry, {}, [&](double share) { progress.update(share); });
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   if (!run) return fail(run.error());
   nlohmann::ordered_json summary = {{"log", log->header.name},
@@ -87,7 +87,8 @@ int run_slam_command(const SlamArguments& arguments) {
                                     {"loop_closures", run->loop_closures},
                                     {"cpu_seconds", rounded(seconds)}};
   for (const double way_m : {2.0, 20.0}) {
-    const RelativePoseError error = relative_pose_error(log->scans, run->T_map_laser, way_m);
+    const evaluation::RelativePoseError error =
+        evaluation::relative_pose_error(log->scans, run->T_map_laser, way_m);
     if (!error.errors_m.empty()) summary["relative_pose_error"].push_back(error_json(error));
   }
   summary["revisits"] = revisits_json(log->scans, *run);

@@ -8,7 +8,7 @@
 #include <cornerfix/map_image.hpp>
 
 #include "bench/experiments/experiment.hpp"
-#include "cli/drive_simulator.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 
 namespace cornerfix::bench {
 namespace {
@@ -34,7 +34,7 @@ std::vector<PosedScan> filtered_by_motion(std::span<const evaluation::LogScan> s
 /// The first `end` scans of `mapping` map.
 Building building_of(const std::string& name, const evaluation::RecordedLog& mapping,
                      std::size_t end, evaluation::RecordedLog asking, std::size_t begin) {
-  cli::Evaluation mapped = cli::map_from(mapping, end, {});
+  evaluation::Evaluation mapped = evaluation::map_from(mapping, end, {});
   return {map_building(name, mapped.key_frames,
                        filtered_by_motion(std::span(mapping.scans).first(end))),
           std::move(mapped.mapping_positions), std::move(asking), begin};
@@ -54,7 +54,7 @@ Building recorded(const BuildingSource& source) {
     const evaluation::RecordedLog mapping = every_other(log, 0);
     return building_of(source.name, mapping, mapping.scans.size(), every_other(log, 1), 0);
   }
-  const std::size_t end = cli::split_index(log, source.split);
+  const std::size_t end = evaluation::split_index(log, source.split);
   return building_of(source.name, log, end, log, end);
 }
 
@@ -63,13 +63,13 @@ Building simulated(const BuildingSource& source) {
   std::optional<OccupancyGrid> inside;
   if (!source.inside.empty()) inside = value_or_exit(read_map_files(source.inside));
   // Along a way that is free in both, or the drives might be in rooms that are not connected.
-  const evaluation::RecordedLog mapping = value_or_exit(
-      cli::simulate_drive(inside ? *inside : floor,
-                          {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1},
-                          inside ? &floor : nullptr));
-  evaluation::RecordedLog asking = value_or_exit(
-      cli::simulate_drive(floor, {.people = source.people, .length_m = source.asking_m, .seed = 2},
-                          inside ? &*inside : nullptr));
+  const evaluation::RecordedLog mapping = value_or_exit(evaluation::simulate_drive(
+      inside ? *inside : floor,
+      {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1},
+      inside ? &floor : nullptr));
+  evaluation::RecordedLog asking = value_or_exit(evaluation::simulate_drive(
+      floor, {.people = source.people, .length_m = source.asking_m, .seed = 2},
+      inside ? &*inside : nullptr));
   return building_of(source.name, mapping, mapping.scans.size(), std::move(asking), 0);
 }
 

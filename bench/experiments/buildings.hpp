@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/experiments/contestants.hpp"
-#include "cli/evaluation.hpp"
 #include "evaluation/datasets/log_reader.hpp"
+#include "evaluation/metrics/localization_score.hpp"
 
 namespace cornerfix::bench {
 

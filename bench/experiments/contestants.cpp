@@ -31,8 +31,8 @@ constexpr std::size_t kSearchedPoints = 100;  // Cartographer's filter of scans 
 constexpr double kSearchedSpacing = 0.9;      // [m] likewise
 
 /// A rival's answers in the terms of the score, each scan that it worked on timed.
-cli::ScoredRobot scored(std::unique_ptr<Rival> rival, const LocalizationMapPtr& map,
-                        ScanTimes& times) {
+evaluation::ScoredRobot scored(std::unique_ptr<Rival> rival, const LocalizationMapPtr& map,
+                               ScanTimes& times) {
   return [rival = std::shared_ptr<Rival>(std::move(rival)), map, &times,
           found = false](const RobotScan& scan) mutable {
     const double begin = thread_ms();
@@ -143,7 +143,7 @@ Contestant published_rma(const std::string& name, const MappedBuilding& building
 Contestant in_building(Contestant contestant, const LocalizationMapPtr& map) {
   contestant.switch_on = [inner = std::move(contestant.switch_on), map](
                              const evaluation::LogScan& first,
-                             ScanTimes& times) -> cli::ScoredRobot {
+                             ScanTimes& times) -> evaluation::ScoredRobot {
     return [robot = inner(first, times), map](const RobotScan& scan) {
       Answer answer = robot(scan);
       if (answer.pose) answer.pose->map = map;

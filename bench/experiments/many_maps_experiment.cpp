@@ -80,7 +80,7 @@ std::vector<OccupancyGrid> other_buildings(const ManyMapsArguments& arguments) {
   std::vector<OccupancyGrid> grids;
   for (const std::string& path : arguments.logs) {
     const evaluation::RecordedLog log = value_or_exit(evaluation::read_log(path));
-    grids.push_back(cli::map_from(log, log.scans.size(), {}).map->grid());
+    grids.push_back(evaluation::map_from(log, log.scans.size(), {}).map->grid());
   }
   for (const std::string& path : arguments.floor_maps)
     grids.push_back(value_or_exit(read_map_files(path)));
@@ -109,7 +109,7 @@ void run(const ManyMapsArguments& arguments) {
   const std::vector<LocalizationMapPtr> all = maps_about(building, arguments);
   CsvFile table(arguments.out / ("many_maps_" + building.mapped.name + ".csv"),
                 "building,maps,starts,right,wrong,way_p50_m,way_p90_m,mean_ms,p50_ms,p95_ms");
-  cli::EvaluationOptions options;
+  evaluation::EvaluationOptions options;
   options.starts = arguments.starts;
   options.batch = 1;
   options.track_m = 0.0;
@@ -119,13 +119,13 @@ void run(const ManyMapsArguments& arguments) {
     int wrong = 0;
     std::vector<double> ways;
     std::vector<double> ms;
-    for (const cli::StartRecord& record : cli::evaluate(
+    for (const evaluation::StartRecord& record : evaluation::evaluate(
              building.log, building.begin, maps, 0, building.mapping_positions, options, nullptr)) {
       if (record.near_m > options.near_m || !record.counts) continue;
       ++starts;
-      right += record.verdict == cli::Verdict::kFixed ? 1 : 0;
-      wrong += record.verdict == cli::Verdict::kFalse ? 1 : 0;
-      if (record.verdict == cli::Verdict::kFixed) ways.push_back(record.way_m.value_or(0.0));
+      right += record.verdict == evaluation::Verdict::kFixed ? 1 : 0;
+      wrong += record.verdict == evaluation::Verdict::kFalse ? 1 : 0;
+      if (record.verdict == evaluation::Verdict::kFixed) ways.push_back(record.way_m.value_or(0.0));
       std::ranges::copy(record.searching_ms, std::back_inserter(ms));
     }
     table.row(building.mapped.name, maps.size(), starts, right, wrong, percentile(ways, 0.5),

@@ -32,7 +32,8 @@ double sum(const std::vector<double>& values) {
 
 /// The robot, which gives no more answers once its search has taken longer than allowed. The scan
 /// in which the time ran out counts.
-cli::ScoredRobot in_time(cli::ScoredRobot robot, const ScanTimes& times, double allowed_s) {
+evaluation::ScoredRobot in_time(evaluation::ScoredRobot robot, const ScanTimes& times,
+                                double allowed_s) {
   return [robot = std::move(robot), &times, allowed_s, counted = times.searching_ms.size(),
           spent_ms = 0.0](const RobotScan& scan) mutable {
     if (spent_ms > 1e3 * allowed_s) return Answer{};
@@ -42,13 +43,13 @@ cli::ScoredRobot in_time(cli::ScoredRobot robot, const ScanTimes& times, double 
   };
 }
 
-const char* verdict_name(cli::Verdict verdict) {
+const char* verdict_name(evaluation::Verdict verdict) {
   switch (verdict) {
-    case cli::Verdict::kFixed:
+    case evaluation::Verdict::kFixed:
       return "fixed";
-    case cli::Verdict::kFalse:
+    case evaluation::Verdict::kFalse:
       return "wrong";
-    case cli::Verdict::kNone:
+    case evaluation::Verdict::kNone:
       break;
   }
   return "none";
@@ -75,8 +76,8 @@ class RobotsExperiment {
     return arguments_.out / (kind + "_" + arguments_.building.name + ".csv");
   }
 
-  [[nodiscard]] cli::EvaluationOptions options() const {
-    cli::EvaluationOptions options;
+  [[nodiscard]] evaluation::EvaluationOptions options() const {
+    evaluation::EvaluationOptions options;
     options.starts = arguments_.starts;
     options.near_m = arguments_.near_m;
     options.way_m = arguments_.way_m;
@@ -90,13 +91,14 @@ class RobotsExperiment {
     const Contestant contestant = make_contestant(method, building_.mapped);
     ScanTimes times;
     std::vector<double> searching_of_robot;  // sums before each robot, in the order of starts
-    cli::EvaluationOptions options = this->options();
+    evaluation::EvaluationOptions options = this->options();
     options.make_robot = [&](const evaluation::LogScan& first) {
       searching_of_robot.push_back(sum(times.searching_ms));
       return in_time(contestant.switch_on(first, times), times, arguments_.time_s);
     };
-    const auto records = cli::evaluate(building_.log, building_.begin, {building_.mapped.map}, 0,
-                                       building_.mapping_positions, options, nullptr);
+    const auto records =
+        evaluation::evaluate(building_.log, building_.begin, {building_.mapped.map}, 0,
+                             building_.mapping_positions, options, nullptr);
     searching_of_robot.push_back(sum(times.searching_ms));
     std::size_t counted = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
@@ -112,12 +114,13 @@ class RobotsExperiment {
     std::fflush(stdout);
   }
 
-  [[nodiscard]] bool counts(const cli::StartRecord& record) const {
+  [[nodiscard]] bool counts(const evaluation::StartRecord& record) const {
     return record.counts && record.near_m <= arguments_.near_m;
   }
 
-  void write_start(const std::string& method, const cli::StartRecord& record, double searching_ms) {
-    const bool answered = record.verdict != cli::Verdict::kNone;
+  void write_start(const std::string& method, const evaluation::StartRecord& record,
+                   double searching_ms) {
+    const bool answered = record.verdict != evaluation::Verdict::kNone;
     const auto if_answered = [answered](double value) {
       return answered ? std::to_string(value) : std::string();
     };

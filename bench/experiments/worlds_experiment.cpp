@@ -155,7 +155,7 @@ class WorldsExperiment {
     for (const std::string& method : arguments_.methods) {
       const Contestant contestant = make_contestant(method, building);
       ScanTimes times;
-      cli::EvaluationOptions options;
+      evaluation::EvaluationOptions options;
       options.starts = 1;
       options.batch = 1;
       options.track_m = 0.0;
@@ -163,20 +163,21 @@ class WorldsExperiment {
         return contestant.switch_on(first, times);
       };
       const auto records =
-          cli::evaluate(log, 0, {building.map}, 0, {world.start}, options, nullptr);
+          evaluation::evaluate(log, 0, {building.map}, 0, {world.start}, options, nullptr);
       write(kind, seed, method, records.front(), corners);
     }
   }
 
   void write(const std::string& kind, std::uint64_t seed, const std::string& method,
-             const cli::StartRecord& record, std::size_t corners) {
-    if (record.verdict == cli::Verdict::kNone) {
+             const evaluation::StartRecord& record, std::size_t corners) {
+    if (record.verdict == evaluation::Verdict::kNone) {
       table_.row(kind, seed, method, "none", "", "", "", "", corners, "", "");
       return;
     }
-    table_.row(kind, seed, method, record.verdict == cli::Verdict::kFixed ? "fixed" : "wrong",
-               *record.way_m, *record.seconds, record.error_m, record.error_rad, corners,
-               record.truth.x, record.truth.y);
+    table_.row(kind, seed, method,
+               record.verdict == evaluation::Verdict::kFixed ? "fixed" : "wrong", *record.way_m,
+               *record.seconds, record.error_m, record.error_rad, corners, record.truth.x,
+               record.truth.y);
   }
 
   /// The first world of a kind, for a figure; the start is a wall without length.

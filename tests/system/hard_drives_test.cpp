@@ -11,10 +11,10 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/map_image.hpp>
 
-#include "cli/drive_simulator.hpp"
-#include "cli/evaluation.hpp"
+#include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -49,7 +49,7 @@ std::vector<Moment> moments_of(DriveOptions options, std::uint64_t seed) {
   const auto log = simulate_drive(building(), options);
   EXPECT_TRUE(log.ok()) << log.error().message;
   std::vector<Moment> moments;
-  for (const evaluation::LogScan& scan : log->scans) {
+  for (const LogScan& scan : log->scans) {
     moments.push_back({{scan.scan, Pose2{}, scan.T_odom_laser}, *scan.T_map_laser});
   }
   return moments;
@@ -280,17 +280,17 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
     options.seed = seed;
     return *simulate_drive(always, options, &inside);
   };
-  const evaluation::RecordedLog first = log_of(before, 500.0, 0.0, 1);
-  const evaluation::RecordedLog later = log_of(after, 500.0, 86400.0, 2);
-  evaluation::RecordedLog drives = first;
+  const RecordedLog first = log_of(before, 500.0, 0.0, 1);
+  const RecordedLog later = log_of(after, 500.0, 86400.0, 2);
+  RecordedLog drives = first;
   drives.scans.insert(drives.scans.end(), later.scans.begin(), later.scans.end());
-  const evaluation::RecordedLog robot = log_of(after, 200.0, 0.0, 3);
+  const RecordedLog robot = log_of(after, 200.0, 0.0, 3);
 
   EvaluationOptions asked;
   asked.starts = 25;
   asked.way_m = 5.0;
   asked.track_m = 0.0;
-  const auto fixes_in_map_of = [&](const evaluation::RecordedLog& mapping) {
+  const auto fixes_in_map_of = [&](const RecordedLog& mapping) {
     const Evaluation evaluation = map_from(mapping, mapping.scans.size(), {});
     const auto records =
         evaluate(robot, 0, {evaluation.map}, 0, evaluation.mapping_positions, asked, {});
@@ -311,4 +311,4 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation

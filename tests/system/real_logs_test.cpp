@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "cli/evaluation.hpp"
 #include "evaluation/datasets/log_reader.hpp"
+#include "evaluation/metrics/localization_score.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,11 +28,11 @@ std::optional<fs::path> data_folder() {
 }
 
 /// Nothing, with the test marked as skipped, where the log is not.
-std::optional<evaluation::RecordedLog> read_real_log(const std::string& name) {
+std::optional<RecordedLog> read_real_log(const std::string& name) {
   const std::optional<fs::path> folder = data_folder();
   const fs::path path = folder.value_or("shared/data") / "logs" / (name + ".jsonl.gz");
   if (!fs::is_regular_file(path)) return std::nullopt;
-  Result<evaluation::RecordedLog> log = evaluation::read_log(path);
+  Result<RecordedLog> log = read_log(path);
   if (!log) ADD_FAILURE() << log.error().message;
   if (!log) return std::nullopt;
   return std::move(*log);
@@ -95,7 +95,7 @@ EvaluationOptions options_of(const RealLog& log) {
 class RealLogs : public ::testing::TestWithParam<RealLog> {};
 
 TEST_P(RealLogs, FindTheRobotInTheMappedPart) {
-  const std::optional<evaluation::RecordedLog> log = read_real_log(GetParam().name);
+  const std::optional<RecordedLog> log = read_real_log(GetParam().name);
   if (!log) GTEST_SKIP() << kSkipped;
   const EvaluationOptions options = options_of(GetParam());
   const std::size_t end = split_index(*log, GetParam().split);
@@ -126,8 +126,8 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(RealLogs, AnotherBuildingIsNotTakenForTheMappedOne) {
-  const std::optional<evaluation::RecordedLog> mapped = read_real_log("fhw");
-  const std::optional<evaluation::RecordedLog> asked = read_real_log("freiburg_079");
+  const std::optional<RecordedLog> mapped = read_real_log("fhw");
+  const std::optional<RecordedLog> asked = read_real_log("freiburg_079");
   if (!mapped || !asked) GTEST_SKIP() << kSkipped;
   const EvaluationOptions options = options_of({.name = "freiburg_079"});
   const Evaluation evaluation = map_from(*mapped, mapped->scans.size(), options.mapper);
@@ -138,7 +138,7 @@ TEST(RealLogs, AnotherBuildingIsNotTakenForTheMappedOne) {
 }
 
 TEST(RealLogs, AMirroredRobotIsNotFound) {
-  const std::optional<evaluation::RecordedLog> log = read_real_log("freiburg_079");
+  const std::optional<RecordedLog> log = read_real_log("freiburg_079");
   if (!log) GTEST_SKIP() << kSkipped;
   EvaluationOptions options = options_of({.name = "freiburg_079"});
   options.mirror = true;
@@ -151,4 +151,4 @@ TEST(RealLogs, AMirroredRobotIsNotFound) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation

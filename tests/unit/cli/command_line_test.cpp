@@ -14,8 +14,8 @@
 #include "server/map_library.hpp"
 #include "server/settings.hpp"
 #include "server/store_access.hpp"
+#include "support/fake_server.hpp"
 #include "support/temporary_directory.hpp"
-#include "unit/cli/fake_server.hpp"
 
 namespace cornerfix::cli {
 namespace {
@@ -117,14 +117,14 @@ TEST_F(CommandLine, EndsWithOneWhatItCouldNotDo) {
 }
 
 TEST_F(CommandLine, ListsMapsOverAllPages) {
-  FakeServer server([](const FakeRequest& request) {
+  testing::FakeServer server([](const testing::FakeRequest& request) {
     if (request.path == "/v1/maps") {
-      return FakeAnswer{200, R"({"maps": [{"name": "attic", "revision": 3, "keyframes": 10,
+      return testing::FakeAnswer{200, R"({"maps": [{"name": "attic", "revision": 3, "keyframes": 10,
           "features": 20, "bounds": {"min_x": -1, "min_y": 0, "max_x": 4, "max_y": 2.5},
           "updated": "2024-01-02T03:04:05Z"}], "next_page_token": "attic"})"};
     }
     EXPECT_EQ(request.path, "/v1/maps?page_token=attic");
-    return FakeAnswer{200, R"({"maps": [{"name": "cellar", "revision": 1, "bounds": null}],
+    return testing::FakeAnswer{200, R"({"maps": [{"name": "cellar", "revision": 1, "bounds": null}],
         "next_page_token": null})"};
   });
   const Outcome outcome = run({"map", "list", "--server", server.url().c_str()});
@@ -137,11 +137,11 @@ TEST_F(CommandLine, ListsMapsOverAllPages) {
 
 TEST_F(CommandLine, WaitsForAReportAndSavesItsPicture) {
   int asked = 0;
-  FakeServer server([&asked](const FakeRequest& request) {
-    if (request.path == "/v1/maps/attic/report.svg") return FakeAnswer{200, "<svg/>"};
+  testing::FakeServer server([&asked](const testing::FakeRequest& request) {
+    if (request.path == "/v1/maps/attic/report.svg") return testing::FakeAnswer{200, "<svg/>"};
     EXPECT_EQ(request.path, "/v1/maps/attic/report?wait=2");
-    if (++asked < 3) return FakeAnswer{202, R"({"state": "computing", "progress": 0.5})"};
-    return FakeAnswer{200, R"({"state": "done", "summary": "All well but one place.",
+    if (++asked < 3) return testing::FakeAnswer{202, R"({"state": "computing", "progress": 0.5})"};
+    return testing::FakeAnswer{200, R"({"state": "done", "summary": "All well but one place.",
         "free_area_m2": 80, "features_per_100_m2": 12.5, "advice": ["Start elsewhere."],
         "areas": [{"x": 4, "y": 1.25, "radius_m": 2, "way_m": 9.5, "found": 0.75,
                    "looks_like": {"x": 30, "y": 1}, "better_start": null}]})"};
@@ -161,8 +161,8 @@ TEST_F(CommandLine, WaitsForAReportAndSavesItsPicture) {
 }
 
 TEST_F(CommandLine, SaysWhatTheServerSaysOfAnUnknownMap) {
-  FakeServer server([](const FakeRequest&) {
-    return FakeAnswer{404, R"({"title": "Not found", "detail": "there is no map attic"})"};
+  testing::FakeServer server([](const testing::FakeRequest&) {
+    return testing::FakeAnswer{404, R"({"title": "Not found", "detail": "there is no map attic"})"};
   });
   const Outcome outcome = run({"map", "delete", "attic", "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 1);
@@ -170,14 +170,14 @@ TEST_F(CommandLine, SaysWhatTheServerSaysOfAnUnknownMap) {
 }
 
 /// A server without a map "attic" that answers all other requests with `answer`.
-FakeAnswer without_attic(const FakeRequest& request, const std::string& answer) {
+testing::FakeAnswer without_attic(const testing::FakeRequest& request, const std::string& answer) {
   if (request.method == "GET" && request.path == "/v1/maps/attic") return {404, "{}"};
   return {200, answer};
 }
 
 TEST_F(CommandLine, BuildsAMapInBatchesOfFifty) {
   const std::string log = directory_.write("walk.jsonl", walk(130)).string();
-  FakeServer server([](const FakeRequest& request) {
+  testing::FakeServer server([](const testing::FakeRequest& request) {
     return without_attic(request, R"({"accepted": 40, "duplicates": 10, "keyframes": 7,
         "features": 5, "revision": 9})");
   });
@@ -202,10 +202,10 @@ TEST_F(CommandLine, BuildsAMapInBatchesOfFifty) {
 
 TEST_F(CommandLine, LeavesWhatAMapSaysOfItselfWhenALaterDriveIsBuiltIntoIt) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
-  FakeServer server([](const FakeRequest& request) {
+  testing::FakeServer server([](const testing::FakeRequest& request) {
     if (request.method == "GET")
-      return FakeAnswer{200, R"({"description": "top floor", "lidar": {"beams": 181}})"};
-    return FakeAnswer{200, R"({"accepted": 2, "duplicates": 1})"};
+      return testing::FakeAnswer{200, R"({"description": "top floor", "lidar": {"beams": 181}})"};
+    return testing::FakeAnswer{200, R"({"accepted": 2, "duplicates": 1})"};
   });
   const Outcome outcome =
       run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
@@ -218,10 +218,11 @@ TEST_F(CommandLine, LeavesWhatAMapSaysOfItselfWhenALaterDriveIsBuiltIntoIt) {
 
 TEST_F(CommandLine, LeavesAFloorMapThatTakesNoDrive) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
-  FakeServer server([](const FakeRequest& request) {
+  testing::FakeServer server([](const testing::FakeRequest& request) {
     if (request.method == "GET")
-      return FakeAnswer{200, R"({"description": "", "lidar": null, "floor_map": true})"};
-    return FakeAnswer{409, R"({"title": "Conflict", "detail": "attic is made from a floor map"})"};
+      return testing::FakeAnswer{200, R"({"description": "", "lidar": null, "floor_map": true})"};
+    return testing::FakeAnswer{
+        409, R"({"title": "Conflict", "detail": "attic is made from a floor map"})"};
   });
   const Outcome outcome =
       run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
@@ -233,10 +234,10 @@ TEST_F(CommandLine, LeavesAFloorMapThatTakesNoDrive) {
 
 TEST_F(CommandLine, TellsAMapOnlyWhatItDoesNotSayOfItself) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
-  FakeServer server([](const FakeRequest& request) {
+  testing::FakeServer server([](const testing::FakeRequest& request) {
     if (request.method == "GET")
-      return FakeAnswer{200, R"({"description": "top floor", "lidar": null})"};
-    return FakeAnswer{200, "{}"};
+      return testing::FakeAnswer{200, R"({"description": "top floor", "lidar": null})"};
+    return testing::FakeAnswer{200, "{}"};
   });
   const Outcome outcome =
       run({"map", "build", "attic", log.c_str(), "--server", server.url().c_str()});
@@ -251,7 +252,8 @@ TEST_F(CommandLine, TellsAMapOnlyWhatItDoesNotSayOfItself) {
 
 TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
   const std::string log = directory_.write("walk.jsonl", walk(12, true)).string();
-  FakeServer server([](const FakeRequest& request) { return without_attic(request, "{}"); });
+  testing::FakeServer server(
+      [](const testing::FakeRequest& request) { return without_attic(request, "{}"); });
   const Outcome outcome = run(
       {"map", "build", "attic", log.c_str(), "--split", "0.5", "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -264,7 +266,7 @@ TEST_F(CommandLine, BuildsFromTheFirstShareAndFromKeyScansOnly) {
 
 TEST_F(CommandLine, BuildsFromAllScansOfTheFirstShareWithoutTheirPoses) {
   const std::string log = directory_.write("walk.jsonl", walk(12, true)).string();
-  FakeServer server([](const FakeRequest& request) {
+  testing::FakeServer server([](const testing::FakeRequest& request) {
     return without_attic(request, request.method == "GET" ? R"({"features": [{}, {}]})" : "{}");
   });
   const Outcome outcome = run({"map", "build", "attic", log.c_str(), "--slam", "--split", "0.5",
@@ -304,7 +306,9 @@ TEST_F(CommandLine, BuildsFromALogThatIsBrokenInPlacesAndTellsHowManyThereAre) {
 }
 
 TEST_F(CommandLine, BeginsNoMapWithALogThatHoldsNoPose) {
-  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, "{}"}; });
+  testing::FakeServer server([](const testing::FakeRequest&) {
+    return testing::FakeAnswer{200, "{}"};
+  });
   const std::string log =
       directory_.write("walk.jsonl", std::string(kHeader) + R"({"t": 0, "ranges": [1, 2]})")
           .string();
@@ -357,7 +361,9 @@ TEST_F(CommandLine, ImportsALargePgmInASmallBody) {
       directory_.write("map.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
           .string();
   directory_.write("map.pgm", "P5 4096 4096 255\n" + std::string(4096 * 4096, '\xfe'));
-  FakeServer server([](const FakeRequest&) { return FakeAnswer{200, R"({"features": 5})"}; });
+  testing::FakeServer server([](const testing::FakeRequest&) {
+    return testing::FakeAnswer{200, R"({"features": 5})"};
+  });
   const Outcome outcome =
       run({"map", "import", "attic", yaml.c_str(), "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -464,7 +470,7 @@ TEST_F(CommandLine, TakesHttpServersOnly) {
 }
 
 /// A server that finds the robot at the third batch.
-FakeAnswer find_at_third_batch(const FakeRequest& request) {
+testing::FakeAnswer find_at_third_batch(const testing::FakeRequest& request) {
   if (request.path == "/v1/sessions") return {201, R"({"id": "s-1", "robot": "replay"})"};
   if (request.method == "DELETE") return {204, ""};
   const auto sequence = nlohmann::json::parse(request.body)["sequence"].get<int>();
@@ -477,7 +483,7 @@ FakeAnswer find_at_third_batch(const FakeRequest& request) {
 
 TEST_F(CommandLine, ReplaysUntilSomeWayAfterTheFix) {
   const std::string log = directory_.write("walk.jsonl", walk(40)).string();
-  FakeServer server(find_at_third_batch);
+  testing::FakeServer server(find_at_third_batch);
   const Outcome outcome = run({"replay", log.c_str(), "--map", "attic", "--batch", "2", "--track",
                                "3", "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -498,7 +504,7 @@ TEST_F(CommandLine, ReplaysUntilSomeWayAfterTheFix) {
 
 TEST_F(CommandLine, ReplayEndsWithOneWhenTheLogEndsFirst) {
   const std::string log = directory_.write("walk.jsonl", walk(4)).string();
-  FakeServer server(find_at_third_batch);
+  testing::FakeServer server(find_at_third_batch);
   const Outcome outcome =
       run({"replay", log.c_str(), "--batch", "2", "--server", server.url().c_str()});
   EXPECT_EQ(outcome.exit_code, 1);
@@ -513,7 +519,7 @@ TEST_F(CommandLine, ReplayStartsWhereItIsTold) {
       {{"--split", "0.5"}, 10.0},
       {{"--split", "0.5", "--from", "4"}, 14.0}};
   for (const auto& [options, stamp] : first_stamps) {
-    FakeServer server(find_at_third_batch);
+    testing::FakeServer server(find_at_third_batch);
     const std::string url = server.url();
     std::vector<const char*> arguments = {"replay", log.c_str(), "--no-odom", "--server",
                                           url.c_str()};
@@ -533,7 +539,9 @@ TEST_F(CommandLine, PrintsCurlLinesInsteadOfSending) {
                                              {"map", "delete", "a"},
                                              {"map", "build", "a", log.c_str()},
                                              {"replay", log.c_str()}}) {
-    FakeServer server([](const FakeRequest&) { return FakeAnswer{200, "{}"}; });
+    testing::FakeServer server([](const testing::FakeRequest&) {
+      return testing::FakeAnswer{200, "{}"};
+    });
     const std::string url = server.url();
     std::vector<const char*> printing = arguments;
     printing.insert(printing.end(), {"--print-curl", "--server", url.c_str()});
