@@ -127,9 +127,9 @@ class ServerProcess {
   std::string url_;
 };
 
-evaluation::RecordedLog drive(const evaluation::DriveOptions& options) {
+evaluation::RecordedLog drive(const evaluation::RunOptions& options) {
   static const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  return value_of(evaluation::simulate_drive(willow, options));
+  return value_of(evaluation::simulate_run(willow, options));
 }
 
 void make_map(HttpClient& client) {

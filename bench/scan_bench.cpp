@@ -36,13 +36,13 @@ struct Drives {
   RecordedLog robot;
 };
 
-Drives simulate_drives() {
+Drives simulate_runs() {
   const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  const RecordedLog mapping = value_of(simulate_drive(
+  const RecordedLog mapping = value_of(simulate_run(
       willow, {.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1}));
-  return {map_from(mapping, mapping.scans.size(), {}),
-          value_of(simulate_drive(willow,
-                                  {.beams = kBeams, .people = 3, .length_m = 200.0, .seed = 2}))};
+  return {
+      map_from(mapping, mapping.scans.size(), {}),
+      value_of(simulate_run(willow, {.beams = kBeams, .people = 3, .length_m = 200.0, .seed = 2}))};
 }
 
 double percentile(std::vector<double> values, double share) {
@@ -61,7 +61,7 @@ void count_times(benchmark::State& state, const std::string& name,
 }
 
 void scan(benchmark::State& state, Method method) {
-  static const Drives drives = simulate_drives();
+  static const Drives drives = simulate_runs();
   EvaluationOptions options;
   options.starts = 50;
   options.batch = 1;

@@ -40,7 +40,7 @@ Result<std::string> read_file(const std::string& path) {
 }  // namespace
 
 int run_map_export(const MapArchiveArguments& arguments) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
   client::HttpRequest request{"GET", archive_path(arguments.name)};
   request.answer_path = arguments.file;
@@ -59,7 +59,7 @@ int run_map_restore(const MapArchiveArguments& arguments) {
   if (!bytes) return fail(bytes.error());
   if (bytes->empty())
     return fail({ErrorCode::kInvalidArgument, "is empty, so it is no map", arguments.file});
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
   client::HttpRequest request{"POST", archive_path(arguments.name), std::move(*bytes)};
   request.content_type = server::kArchiveType;

@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "cli/server_connection.hpp"
+#include "clients/cpp/server_connection.hpp"
 
 namespace cornerfix::cli {
 
 struct MapArchiveArguments {
-  ConnectionOptions connection;
+  client::ConnectionOptions connection;
   std::string name;
   std::string file;
 };

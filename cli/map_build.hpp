@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "cli/server_connection.hpp"
+#include "clients/cpp/server_connection.hpp"
 #include "evaluation/datasets/mapping_scans.hpp"
 
 namespace cornerfix::cli {
 
 struct MapBuildArguments {
-  ConnectionOptions connection;
+  client::ConnectionOptions connection;
   std::string database;  ///< Where to write instead of asking a server; empty for the server.
   std::string name;
   std::string log;

@@ -8,7 +8,7 @@
 #include "cli/map_build.hpp"
 #include "cli/map_import.hpp"
 #include "cli/map_report.hpp"
-#include "cli/server_connection.hpp"
+#include "cli/server_options.hpp"
 #include "cli/table.hpp"
 
 namespace cornerfix::cli {
@@ -16,7 +16,7 @@ namespace cornerfix::cli {
 namespace {
 
 struct MapArguments {
-  ConnectionOptions connection;
+  client::ConnectionOptions connection;
   std::string name;
 };
 
@@ -39,8 +39,8 @@ std::string size_text(const nlohmann::json& map) {
   return out;
 }
 
-int list_maps(const ConnectionOptions& options) {
-  Result<ServerConnection> server = ServerConnection::open(options);
+int list_maps(const client::ConnectionOptions& options) {
+  Result<client::ServerConnection> server = client::ServerConnection::open(options);
   if (!server) return fail(server.error());
   std::vector<std::vector<std::string>> rows = {
       {"NAME", "REVISION", "KEY FRAMES", "FEATURES", "SIZE", "UPDATED"}};
@@ -63,7 +63,7 @@ int list_maps(const ConnectionOptions& options) {
 }
 
 int show_map(const MapArguments& arguments) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
   const Result<nlohmann::json> map = server->call({"GET", path_of(arguments.name)});
   if (!map) return fail(map.error());
@@ -72,7 +72,7 @@ int show_map(const MapArguments& arguments) {
 }
 
 int delete_map(const MapArguments& arguments) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
   const Result<nlohmann::json> answer = server->call({"DELETE", path_of(arguments.name)});
   if (!answer) return fail(answer.error());
@@ -92,7 +92,7 @@ void add_named_command(CLI::App& map, const char* name, const char* help, MapFun
 }
 
 void add_list_command(CLI::App& map, int& exit_code) {
-  auto options = std::make_shared<ConnectionOptions>();
+  auto options = std::make_shared<client::ConnectionOptions>();
   CLI::App* command = map.add_subcommand("list", "List the server's maps");
   add_connection_options(*command, *options);
   command->callback([options, &exit_code] { exit_code = list_maps(*options); });

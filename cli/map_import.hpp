@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "cli/server_connection.hpp"
+#include "clients/cpp/server_connection.hpp"
 
 namespace cornerfix::cli {
 
 struct MapImportArguments {
-  ConnectionOptions connection;
+  client::ConnectionOptions connection;
   std::string database;  ///< Where to write instead of asking a server; empty for the server.
   std::string name;
   std::string yaml;

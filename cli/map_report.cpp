@@ -33,7 +33,7 @@ std::string place_text(const nlohmann::json& place) {
 
 /// Asks until the report is made. A server that lets enough callers wait answers at once, hence the
 /// pause.
-Result<nlohmann::json> wait_for_report(ServerConnection& server, const std::string& path) {
+Result<nlohmann::json> wait_for_report(client::ServerConnection& server, const std::string& path) {
   Progress progress("simulating");
   for (;;) {
     Result<nlohmann::json> report = server.call({"GET", path + "?wait=2"});
@@ -66,7 +66,7 @@ void print_report(const nlohmann::json& report) {
     std::printf("- %s\n", sentence.c_str());
 }
 
-Result<void> write_picture(ServerConnection& server, const std::string& path,
+Result<void> write_picture(client::ServerConnection& server, const std::string& path,
                            const std::string& file_path) {
   client::HttpRequest request{"GET", path + ".svg"};
   request.answer_path = file_path;
@@ -83,7 +83,7 @@ Result<void> write_picture(ServerConnection& server, const std::string& path,
 }  // namespace
 
 int run_map_report(const MapReportArguments& arguments) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
   const std::string path = "/v1/maps/" + client::percent_encode(arguments.name) + "/report";
   const Result<nlohmann::json> report =

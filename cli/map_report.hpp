@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "cli/server_connection.hpp"
+#include "clients/cpp/server_connection.hpp"
 
 namespace cornerfix::cli {
 
 struct MapReportArguments {
-  ConnectionOptions connection;
+  client::ConnectionOptions connection;
   std::string name;
   std::string picture;  ///< SVG to write; empty for none.
 };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
-#include "cli/server_connection.hpp"
+#include "cli/server_options.hpp"
 #include "ros2/bridge.hpp"
 
 namespace cornerfix::cli {

@@ -63,11 +63,11 @@ Building simulated(const BuildingSource& source) {
   std::optional<OccupancyGrid> inside;
   if (!source.inside.empty()) inside = value_or_exit(read_map_files(source.inside));
   // Along a way that is free in both, or the drives might be in rooms that are not connected.
-  const evaluation::RecordedLog mapping = value_or_exit(evaluation::simulate_drive(
+  const evaluation::RecordedLog mapping = value_or_exit(evaluation::simulate_run(
       inside ? *inside : floor,
       {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1},
       inside ? &floor : nullptr));
-  evaluation::RecordedLog asking = value_or_exit(evaluation::simulate_drive(
+  evaluation::RecordedLog asking = value_or_exit(evaluation::simulate_run(
       floor, {.people = source.people, .length_m = source.asking_m, .seed = 2},
       inside ? &*inside : nullptr));
   return building_of(source.name, mapping, mapping.scans.size(), std::move(asking), 0);

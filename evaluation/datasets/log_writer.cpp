@@ -125,4 +125,16 @@ Result<void> LogWriter::write(const LogScan& scan) { return file_->write(scan_li
 
 Result<void> LogWriter::close() { return file_->close(); }
 
+Result<void> write_log(const std::filesystem::path& path, const RecordedLog& log,
+                       const std::function<void(double)>& progress) {
+  Result<LogWriter> writer = LogWriter::create(path, log.header);
+  if (!writer) return writer.error();
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    Result<void> written = writer->write(log.scans[i]);
+    if (!written) return written;
+    if (progress) progress(static_cast<double>(i + 1) / static_cast<double>(log.scans.size()));
+  }
+  return writer->close();
+}
+
 }  // namespace cornerfix::evaluation

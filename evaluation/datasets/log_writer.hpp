@@ -1,7 +1,8 @@
-/// \file  Writes drives in the JSON lines format that log_reader.hpp reads.
+/// \file  Writes runs in the JSON lines format that log_reader.hpp reads.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include <cornerfix/result.hpp>
@@ -30,5 +31,10 @@ class LogWriter {
 
   std::unique_ptr<File> file_;
 };
+
+/// A whole log. `progress` is called with the share of the scans written, in [0, 1], and may be
+/// empty.
+[[nodiscard]] Result<void> write_log(const std::filesystem::path& path, const RecordedLog& log,
+                                     const std::function<void(double)>& progress = {});
 
 }  // namespace cornerfix::evaluation

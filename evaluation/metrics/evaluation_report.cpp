@@ -43,10 +43,9 @@ nlohmann::ordered_json or_null(const std::optional<Value>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-double rounded(double value) { return std::round(1e4 * value) / 1e4; }
-
 double share(std::size_t part, std::size_t all) {
-  return rounded(static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, all)));
+  return to_four_decimals(static_cast<double>(part) /
+                          static_cast<double>(std::max<std::size_t>(1, all)));
 }
 
 nlohmann::ordered_json quantiles(const std::vector<double>& values, double high, const char* name) {
@@ -296,6 +295,17 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
   json["pose"] = pose_array(record.pose);
   json["truth"] = pose_array(record.truth);
   return json;
+}
+
+nlohmann::ordered_json report_score_json(const ReportScore& score) {
+  return {{"places", score.simulated_places},
+          {"success", score.success},
+          {"starts", score.starts},
+          {"squares", score.squares},
+          {"rank_correlation",
+           {{"starts", score.over_starts},
+            {"squares", score.over_squares},
+            {"at_the_starts", score.at_the_starts}}}};
 }
 
 void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {

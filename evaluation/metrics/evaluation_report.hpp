@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/metrics/report_score.hpp"
 
 namespace cornerfix::evaluation {
 
@@ -19,11 +20,14 @@ namespace cornerfix::evaluation {
 /// A start's record by the replay tool's names. Poses and ranges only if localized.
 [[nodiscard]] nlohmann::ordered_json record_json(const StartRecord& record);
 
-/// A row a start.
+/// How well a localizability report predicts the starts.
+[[nodiscard]] nlohmann::ordered_json report_score_json(const ReportScore& score);
+
+/// A row per start.
 void write_records(std::ostream& csv, const std::vector<StartRecord>& records);
 
-/// A row a sample: the log's name, start, way, distance to the mapped part, right or not, and the
-/// class counts of the two best places.
+/// A row per sample: the log's name, start, path length, distance to the mapped part, right or not,
+/// and the class counts of the two best places.
 void write_samples(std::ostream& csv, const std::string& name,
                    const std::vector<StartRecord>& records, bool header);
 

@@ -229,8 +229,8 @@ Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping
   return evaluation;
 }
 
-Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml, const RecordedLog& log,
-                                      const MapperParams& params) {
+Result<Evaluation> map_from_occupancy_map(const std::filesystem::path& yaml, const RecordedLog& log,
+                                          const MapperParams& params) {
   const Result<OccupancyGrid> floor_map = read_map_files(yaml);
   if (!floor_map) return floor_map.error();
   const double begin = processor_ms(CLOCK_PROCESS_CPUTIME_ID);  // on all cores

@@ -110,9 +110,9 @@ struct Evaluation {
 
 /// The map of a ROS occupancy map alone; where `log` drives through its free space counts as
 /// mapped. Says on stderr what map_from_grid() warns of.
-[[nodiscard]] Result<Evaluation> map_from_floor_map(const std::filesystem::path& yaml,
-                                                    const RecordedLog& log,
-                                                    const MapperParams& params);
+[[nodiscard]] Result<Evaluation> map_from_occupancy_map(const std::filesystem::path& yaml,
+                                                        const RecordedLog& log,
+                                                        const MapperParams& params);
 
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);

@@ -290,8 +290,8 @@ void append_turning(std::vector<Pose2>& poses, const Pose2& pose, double max_tur
 
 }  // namespace
 
-Result<std::vector<Pose2>> plan_drive(std::span<const OccupancyGrid* const> maps,
-                                      const DrivePlanOptions& options) {
+Result<std::vector<Pose2>> plan_run(std::span<const OccupancyGrid* const> maps,
+                                    const RunPlanOptions& options) {
   assert(!maps.empty() && "there is a map to drive in");
   const FreeSpace space(maps);
   const Lattice lattice(*maps.front(), space, options.clearance_m + kSmoothingReserve);

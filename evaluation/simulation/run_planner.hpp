@@ -10,7 +10,7 @@
 
 namespace cornerfix::evaluation {
 
-struct DrivePlanOptions {
+struct RunPlanOptions {
   double length_m = 300.0;     ///< Of the whole way; > 0.
   double step_m = 0.08;        ///< Between poses; > 0.
   double max_turn_rad = 0.15;  ///< Between poses; more is turned on the spot; > 0.
@@ -23,7 +23,7 @@ struct DrivePlanOptions {
 /// one frame; there is at least one.
 ///
 /// \return kInvalidArgument where no space is wide enough to drive in.
-[[nodiscard]] Result<std::vector<Pose2>> plan_drive(std::span<const OccupancyGrid* const> maps,
-                                                    const DrivePlanOptions& options);
+[[nodiscard]] Result<std::vector<Pose2>> plan_run(std::span<const OccupancyGrid* const> maps,
+                                                  const RunPlanOptions& options);
 
 }  // namespace cornerfix::evaluation

@@ -189,7 +189,7 @@ void add_boxes(OccupancyGrid& grid, int count, const std::vector<Pose2>& way, st
   }
 }
 
-LaserScan lidar_of(const DriveOptions& options) {
+LaserScan lidar_of(const RunOptions& options) {
   LaserScan lidar;
   // A full turn must not look twice where it begins.
   const bool is_full_turn = options.field_of_view_rad > 2.0 * std::numbers::pi - 1e-3;
@@ -211,9 +211,15 @@ void add_noise(LaserScan& scan, double noise_m, Random& random) {
   }
 }
 
+void corrupt_odometry(RecordedLog& log, OdometryFaultKind kind, std::uint64_t seed) {
+  OdometryFault fault(kind, seed);
+  for (LogScan& scan : log.scans)
+    scan.T_odom_laser = fault.corrupt(scan.scan.stamp, *scan.T_odom_laser);
+}
+
 /// Drives the way and records.
 std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>& way,
-                            const DriveOptions& options,
+                            const RunOptions& options,
                             const std::function<void(double)>& on_progress) {
   const RayCaster caster(grid);
   const LaserScan lidar = lidar_of(options);
@@ -242,7 +248,7 @@ std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>&
 
 }  // namespace
 
-std::optional<Error> validate(const DriveOptions& options) {
+std::optional<Error> validate(const RunOptions& options) {
   const auto broken = [](const char* field, const char* message) {
     return Error{ErrorCode::kInvalidArgument, message, field};
   };
@@ -271,17 +277,17 @@ std::optional<Error> validate(const DriveOptions& options) {
   return std::nullopt;
 }
 
-Result<RecordedLog> simulate_drive(const OccupancyGrid& map, const DriveOptions& options,
-                                   const OccupancyGrid* inside,
-                                   const std::function<void(double)>& on_progress) {
+Result<RecordedLog> simulate_run(const OccupancyGrid& map, const RunOptions& options,
+                                 const OccupancyGrid* inside,
+                                 const std::function<void(double)>& on_progress) {
   if (auto error = validate(options)) return *error;
   const OccupancyGrid& real = inside != nullptr ? *inside : map;
   const std::array maps = {&real, &map};
   const Result<std::vector<Pose2>> way =
-      plan_drive(std::span(maps).first(inside != nullptr ? 2 : 1),
-                 {.length_m = options.length_m,
-                  .step_m = options.step_m,
-                  .seed = Random(options.seed, Cause::kWay).seed()});
+      plan_run(std::span(maps).first(inside != nullptr ? 2 : 1),
+               {.length_m = options.length_m,
+                .step_m = options.step_m,
+                .seed = Random(options.seed, Cause::kWay).seed()});
   if (!way) return way.error();
 
   OccupancyGrid furnished = real;
@@ -290,6 +296,7 @@ Result<RecordedLog> simulate_drive(const OccupancyGrid& map, const DriveOptions&
   log.header.lidar = lidar_of(options);
   log.header.beams = options.beams;
   log.scans = record(furnished, *way, options, on_progress);
+  if (options.odometry_fault) corrupt_odometry(log, *options.odometry_fault, options.seed);
   return log;
 }
 

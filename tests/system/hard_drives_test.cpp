@@ -32,7 +32,7 @@ const OccupancyGrid& building() {
 const LocalizationMapPtr& building_map() {
   static const LocalizationMapPtr map = [] {
     const auto log =
-        simulate_drive(building(), {.beams = 541, .length_m = 500.0, .step_m = 0.4, .seed = 1});
+        simulate_run(building(), {.beams = 541, .length_m = 500.0, .step_m = 0.4, .seed = 1});
     return map_from(*log, log->scans.size(), {}).map;
   }();
   return map;
@@ -44,9 +44,9 @@ struct Moment {
   Pose2 T_map_base_link;
 };
 
-std::vector<Moment> moments_of(DriveOptions options, std::uint64_t seed) {
+std::vector<Moment> moments_of(RunOptions options, std::uint64_t seed) {
   options.seed = seed;
-  const auto log = simulate_drive(building(), options);
+  const auto log = simulate_run(building(), options);
   EXPECT_TRUE(log.ok()) << log.error().message;
   std::vector<Moment> moments;
   for (const LogScan& scan : log->scans) {
@@ -55,7 +55,7 @@ std::vector<Moment> moments_of(DriveOptions options, std::uint64_t seed) {
   return moments;
 }
 
-DriveOptions drive_with(double field_of_view_rad, std::size_t beams, double range_max_m) {
+RunOptions drive_with(double field_of_view_rad, std::size_t beams, double range_max_m) {
   return {.field_of_view_rad = field_of_view_rad,
           .beams = beams,
           .range_max_m = range_max_m,
@@ -64,7 +64,7 @@ DriveOptions drive_with(double field_of_view_rad, std::size_t beams, double rang
 }
 
 /// 270 degrees, 541 beams, 30 m.
-DriveOptions usual_drive() { return drive_with(1.5 * kPi, 541, 30.0); }
+RunOptions usual_drive() { return drive_with(1.5 * kPi, 541, 30.0); }
 
 struct Outcome {
   std::size_t localized = 0;
@@ -91,7 +91,7 @@ Outcome outcome_of(const std::vector<Moment>& moments) {
 using Trouble = std::function<void(std::vector<Moment>&, std::mt19937_64&)>;
 
 /// Every run ends with a localized robot, and no answer has a wrong pose.
-void expect_found(const DriveOptions& options, const Trouble& trouble = {}) {
+void expect_found(const RunOptions& options, const Trouble& trouble = {}) {
   for (const std::uint64_t seed : kSeeds) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::vector<Moment> moments = moments_of(options, seed);
@@ -271,14 +271,14 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
   const OccupancyGrid before = furnished(1);
   const OccupancyGrid after = furnished(2);
   const OccupancyGrid always = both(before, after);
-  DriveOptions options = drive_with(kPi, 181, 8.0);
+  RunOptions options = drive_with(kPi, 181, 8.0);
   options.range_noise_m = 0.03;
   const auto log_of = [&](const OccupancyGrid& inside, double length_m, double start_s,
                           std::uint64_t seed) {
     options.length_m = length_m;
     options.start_s = start_s;
     options.seed = seed;
-    return *simulate_drive(always, options, &inside);
+    return *simulate_run(always, options, &inside);
   };
   const RecordedLog first = log_of(before, 500.0, 0.0, 1);
   const RecordedLog later = log_of(after, 500.0, 86400.0, 2);

@@ -51,8 +51,8 @@ OccupancyGrid two_rooms() {
   return grid;
 }
 
-DriveOptions quiet_drive() {
-  DriveOptions options;
+RunOptions quiet_drive() {
+  RunOptions options;
   options.beams = 31;
   options.length_m = 15.0;
   options.range_noise_m = 0.0;
@@ -60,9 +60,9 @@ DriveOptions quiet_drive() {
   return options;
 }
 
-RecordedLog drive(const OccupancyGrid& grid, const DriveOptions& options,
+RecordedLog drive(const OccupancyGrid& grid, const RunOptions& options,
                   const OccupancyGrid* inside = nullptr) {
-  Result<RecordedLog> log = simulate_drive(grid, options, inside);
+  Result<RecordedLog> log = simulate_run(grid, options, inside);
   EXPECT_TRUE(log.ok()) << (log.ok() ? "" : log.error().message);
   return log.ok() ? std::move(*log) : RecordedLog{};
 }
@@ -86,7 +86,7 @@ bool same_poses(const RecordedLog& a, const RecordedLog& b) {
 }
 
 TEST(DriveSimulator, GivesTheSameLogForTheSameSeed) {
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.range_noise_m = 0.02;
   options.drift = 0.02;
   options.people = 2;
@@ -100,11 +100,11 @@ TEST(DriveSimulator, GivesTheSameLogForTheSameSeed) {
 }
 
 TEST(DriveSimulator, StampsBeginWhereTheyAreTold) {
-  const auto log = simulate_drive(box_room(), {.beams = 11, .length_m = 1.0, .start_s = 86400.0});
+  const auto log = simulate_run(box_room(), {.beams = 11, .length_m = 1.0, .start_s = 86400.0});
   ASSERT_TRUE(log);
   EXPECT_EQ(log->scans[0].scan.stamp, 86400.0);
   EXPECT_NEAR(log->scans[1].scan.stamp, 86400.1, 1e-9);
-  EXPECT_FALSE(simulate_drive(box_room(), {.start_s = std::nan("")}));
+  EXPECT_FALSE(simulate_run(box_room(), {.start_s = std::nan("")}));
 }
 
 TEST(DriveSimulator, MeasuresABoxRoomAsGeometryDoes) {
@@ -133,7 +133,7 @@ TEST(DriveSimulator, LosesFewBeamsInAClosedRoom) {
 }
 
 TEST(DriveSimulator, DrivesTheLengthInSteps) {
-  const DriveOptions options = quiet_drive();
+  const RunOptions options = quiet_drive();
   const RecordedLog log = drive(two_rooms(), options);
   double length = 0.0;
   for (std::size_t i = 1; i < log.scans.size(); ++i) {
@@ -149,7 +149,7 @@ TEST(DriveSimulator, DrivesTheLengthInSteps) {
 
 TEST(DriveSimulator, NeverDrivesThroughWalls) {
   const OccupancyGrid grid = two_rooms();
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.beams = 2;
   options.length_m = 100.0;
   bool was_left = false;
@@ -168,7 +168,7 @@ TEST(DriveSimulator, NeverDrivesThroughWalls) {
 }
 
 TEST(DriveSimulator, VisitsAllOfTheBuilding) {
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.beams = 2;
   options.length_m = 120.0;
   const RecordedLog log = drive(two_rooms(), options);
@@ -193,7 +193,7 @@ TEST(DriveSimulator, KeepsPerfectOdometryWithoutDrift) {
 
 TEST(DriveSimulator, DriftLeavesPosesAndScansAsTheyWere) {
   const RecordedLog straight = drive(two_rooms(), quiet_drive());
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.drift = 0.05;
   const RecordedLog drifting = drive(two_rooms(), options);
   EXPECT_TRUE(same_scans(straight, drifting));
@@ -204,7 +204,7 @@ TEST(DriveSimulator, DriftLeavesPosesAndScansAsTheyWere) {
 
 TEST(DriveSimulator, PeopleChangeScansButNotPoses) {
   const RecordedLog alone = drive(two_rooms(), quiet_drive());
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.people = 5;
   const RecordedLog crowded = drive(two_rooms(), options);
   EXPECT_TRUE(same_poses(alone, crowded));
@@ -213,7 +213,7 @@ TEST(DriveSimulator, PeopleChangeScansButNotPoses) {
 
 TEST(DriveSimulator, BoxesChangeScansButNotPosesAndStayOffTheWay) {
   const RecordedLog empty = drive(two_rooms(), quiet_drive());
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.boxes = 5;
   const RecordedLog furnished = drive(two_rooms(), options);
   EXPECT_TRUE(same_poses(empty, furnished));
@@ -250,7 +250,7 @@ TEST(DriveSimulator, TakesTheFrameOfATurnedMap) {
 }
 
 TEST(DriveSimulator, DoesNotLookTwiceWhereAFullTurnBegins) {
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.field_of_view_rad = 2.0 * std::numbers::pi;
   options.beams = 360;
   options.length_m = 1.0;
@@ -261,32 +261,32 @@ TEST(DriveSimulator, DoesNotLookTwiceWhereAFullTurnBegins) {
 TEST(DriveSimulator, RefusesAMapWithoutSpaceToDrive) {
   OccupancyGrid full = box_room();
   std::fill(full.cells.begin(), full.cells.end(), Cell::kOccupied);
-  const Result<RecordedLog> log = simulate_drive(full, quiet_drive());
+  const Result<RecordedLog> log = simulate_run(full, quiet_drive());
   ASSERT_FALSE(log.ok());
   EXPECT_EQ(log.error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(DriveSimulator, RefusesBrokenOptions) {
   const auto field_of = [](auto change) {
-    DriveOptions options;
+    RunOptions options;
     change(options);
     const auto error = validate(options);
     return error ? error->field : "";
   };
-  EXPECT_EQ(field_of([](DriveOptions&) {}), "");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.beams = 1; }), "beams");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.field_of_view_rad = 7.0; }), "field_of_view_rad");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.range_max_m = 0.0; }), "range_max_m");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.range_noise_m = -1.0; }), "range_noise_m");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.drift = NAN; }), "drift");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.people = -1; }), "people");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.boxes = -1; }), "boxes");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.length_m = INFINITY; }), "length_m");
-  EXPECT_EQ(field_of([](DriveOptions& o) { o.step_m = 0.0; }), "step_m");
+  EXPECT_EQ(field_of([](RunOptions&) {}), "");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.beams = 1; }), "beams");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.field_of_view_rad = 7.0; }), "field_of_view_rad");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.range_max_m = 0.0; }), "range_max_m");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.range_noise_m = -1.0; }), "range_noise_m");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.drift = NAN; }), "drift");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.people = -1; }), "people");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.boxes = -1; }), "boxes");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.length_m = INFINITY; }), "length_m");
+  EXPECT_EQ(field_of([](RunOptions& o) { o.step_m = 0.0; }), "step_m");
 }
 
 TEST(LogWriter, WritesWhatTheReaderReads) {
-  DriveOptions options = quiet_drive();
+  RunOptions options = quiet_drive();
   options.length_m = 3.0;
   RecordedLog log = drive(box_room(), options);
   log.header.name = "a \"drive\"";

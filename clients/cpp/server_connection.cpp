@@ -1,4 +1,4 @@
-#include "cli/server_connection.hpp"
+#include "clients/cpp/server_connection.hpp"
 
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace cornerfix::cli {
+namespace cornerfix::client {
 
 namespace {
 
@@ -18,43 +18,17 @@ std::filesystem::path curl_body_directory() {
   return directory / ("cornerfix-curl-" + std::to_string(getpid()));
 }
 
-CLI::Validator server_url() {
-  return {[](std::string& url) {
-            const auto client = client::HttpClient::create({.url = url, .token = {}});
-            return client ? std::string() : client.error().message + ", not " + url;
-          },
-          "URL"};
-}
-
 }  // namespace
 
-void add_server_options(CLI::App& command, client::ServerAddress& server) {
-  command.add_option("--server", server.url, "URL of the server")
-      ->check(server_url())
-      ->capture_default_str()
-      ->group("Server");
-  command.add_option("--token", server.token, "Token, where the server asks for one")
-      ->envname("CORNERFIX_TOKEN")
-      ->group("Server");
-}
-
-void add_connection_options(CLI::App& command, ConnectionOptions& options) {
-  add_server_options(command, options.server);
-  command
-      .add_flag("--print-curl", options.print_curl,
-                "Print the equivalent curl lines, send nothing; large bodies go to files")
-      ->group("Server");
-}
-
 Result<ServerConnection> ServerConnection::open(const ConnectionOptions& options) {
-  Result<client::HttpClient> client = client::HttpClient::create(options.server);
+  Result<HttpClient> client = HttpClient::create(options.server);
   if (!client) return client.error();
   ServerConnection connection(std::move(*client));
   if (options.print_curl) connection.curl_.emplace(options.server, curl_body_directory());
   return connection;
 }
 
-Result<nlohmann::json> ServerConnection::call(const client::HttpRequest& request) {
+Result<nlohmann::json> ServerConnection::call(const HttpRequest& request) {
   if (curl_) return print(request);
   const Result<std::string> body = client_.send(request);
   if (!body) return body.error();
@@ -67,18 +41,18 @@ Result<nlohmann::json> ServerConnection::call(const client::HttpRequest& request
   return json;
 }
 
-Result<std::string> ServerConnection::fetch(const client::HttpRequest& request) {
+Result<std::string> ServerConnection::fetch(const HttpRequest& request) {
   if (!curl_) return client_.send(request);
   const Result<nlohmann::json> printed = print(request);
   if (!printed) return printed.error();
   return std::string();
 }
 
-Result<nlohmann::json> ServerConnection::print(const client::HttpRequest& request) {
+Result<nlohmann::json> ServerConnection::print(const HttpRequest& request) {
   const Result<std::string> line = curl_->line(request);
   if (!line) return line.error();
   std::printf("%s\n", line->c_str());
   return nlohmann::json();
 }
 
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::client
