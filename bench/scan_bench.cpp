@@ -31,12 +31,12 @@ T value_of(Result<T> result) {
   std::exit(1);
 }
 
-struct Drives {
+struct Runs {
   Evaluation mapped;
   RecordedLog robot;
 };
 
-Drives simulate_runs() {
+Runs simulate_runs() {
   const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
   const RecordedLog mapping = value_of(simulate_run(
       willow, {.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1}));
@@ -61,15 +61,15 @@ void count_times(benchmark::State& state, const std::string& name,
 }
 
 void scan(benchmark::State& state, Method method) {
-  static const Drives drives = simulate_runs();
+  static const Runs runs = simulate_runs();
   EvaluationOptions options;
   options.starts = 50;
   options.batch = 1;
   options.localizer.method = method;
   std::vector<StartRecord> records;
   for (auto _ : state) {
-    records = evaluate(drives.robot, 0, {drives.mapped.map}, 0, drives.mapped.mapping_positions,
-                       options, nullptr);
+    records = evaluate(runs.robot, 0, {runs.mapped.map}, 0, runs.mapped.mapping_positions, options,
+                       nullptr);
   }
   std::vector<double> searching_ms;
   std::vector<double> tracking_ms;
@@ -79,7 +79,7 @@ void scan(benchmark::State& state, Method method) {
   }
   state.counters["robots"] = static_cast<double>(records.size());
   state.counters["found"] =
-      static_cast<double>(std::ranges::count(records, Verdict::kFixed, &StartRecord::verdict));
+      static_cast<double>(std::ranges::count(records, Verdict::kCorrect, &StartRecord::verdict));
   count_times(state, "search", searching_ms);
   count_times(state, "track", tracking_ms);
 }

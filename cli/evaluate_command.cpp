@@ -213,10 +213,10 @@ void add_start_options(CLI::App& command, evaluation::EvaluationOptions& options
                   "Metres from a mapping pose: a start in the mapped part")
       ->check(not_below_zero());
   command
-      .add_option("--way", options.way_m,
+      .add_option("--way", options.max_distance_m,
                   "Metres of driving allowed until localized; a start counts if LOG goes on as far")
       ->check(above_zero());
-  command.add_option("--time", options.time_s, "Seconds of log time allowed until localized")
+  command.add_option("--time", options.max_time_s, "Seconds of log time allowed until localized")
       ->check(above_zero());
   command
       .add_option("--track", options.track_m,

@@ -35,9 +35,9 @@ std::vector<PosedScan> filtered_by_motion(std::span<const evaluation::LogScan> s
 Building building_of(const std::string& name, const evaluation::RecordedLog& mapping,
                      std::size_t end, evaluation::RecordedLog asking, std::size_t begin) {
   evaluation::Evaluation mapped = evaluation::map_from(mapping, end, {});
-  return {map_building(name, mapped.key_frames,
-                       filtered_by_motion(std::span(mapping.scans).first(end))),
-          std::move(mapped.mapping_positions), std::move(asking), begin};
+  return {
+      map_building(name, mapped.keyframes, filtered_by_motion(std::span(mapping.scans).first(end))),
+      std::move(mapped.mapping_positions), std::move(asking), begin};
 }
 
 /// Every other scan of a log, from the first or the second on.

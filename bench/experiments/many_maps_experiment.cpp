@@ -117,19 +117,20 @@ void run(const ManyMapsArguments& arguments) {
     int starts = 0;
     int right = 0;
     int wrong = 0;
-    std::vector<double> ways;
+    std::vector<double> distances_m;
     std::vector<double> ms;
     for (const evaluation::StartRecord& record : evaluation::evaluate(
              building.log, building.begin, maps, 0, building.mapping_positions, options, nullptr)) {
       if (record.near_m > options.near_m || !record.counts) continue;
       ++starts;
-      right += record.verdict == evaluation::Verdict::kFixed ? 1 : 0;
-      wrong += record.verdict == evaluation::Verdict::kFalse ? 1 : 0;
-      if (record.verdict == evaluation::Verdict::kFixed) ways.push_back(record.way_m.value_or(0.0));
+      right += record.verdict == evaluation::Verdict::kCorrect ? 1 : 0;
+      wrong += record.verdict == evaluation::Verdict::kWrong ? 1 : 0;
+      if (record.verdict == evaluation::Verdict::kCorrect)
+        distances_m.push_back(record.localized_after_m.value_or(0.0));
       std::ranges::copy(record.searching_ms, std::back_inserter(ms));
     }
-    table.row(building.mapped.name, maps.size(), starts, right, wrong, percentile(ways, 0.5),
-              percentile(ways, 0.9), mean(ms), percentile(ms, 0.5), percentile(ms, 0.95));
+    table.row(building.mapped.name, maps.size(), starts, right, wrong, percentile(distances_m, 0.5),
+              percentile(distances_m, 0.9), mean(ms), percentile(ms, 0.5), percentile(ms, 0.95));
     std::printf("%s among %zu: %d starts, %d right, %d wrong, %.2f ms a scan\n",
                 building.mapped.name.c_str(), maps.size(), starts, right, wrong, mean(ms));
     std::fflush(stdout);
@@ -141,7 +142,7 @@ void run(const ManyMapsArguments& arguments) {
 void add_many_maps_experiment(CLI::App& app) {
   auto arguments = std::make_shared<ManyMapsArguments>();
   CLI::App* command =
-      app.add_subcommand("maps", "A robot that is told its map, and the same robot among many");
+      app.add_subcommand("maps", "A robot that is given its map, and the same robot among many");
   add_building_options(*command, arguments->building);
   command->add_option("--logs", arguments->logs, "Recorded drives in other buildings")
       ->delimiter(',')

@@ -20,9 +20,9 @@ struct RobotsArguments {
   BuildingSource building;
   std::vector<std::string> methods = contestant_names();
   std::size_t starts = 50;
-  double near_m = 1.0;    ///< Starts farther from every mapping pose are left out.
-  double way_m = 20.0;    ///< Driving allowed until localized.
-  double time_s = 180.0;  ///< The paper's limit, for driving and for computing.
+  double near_m = 1.0;           ///< Starts farther from every mapping pose are left out.
+  double max_distance_m = 20.0;  ///< Driving allowed until localized.
+  double max_time_s = 180.0;     ///< The paper's limit, for driving and for computing.
   std::filesystem::path out = ".";
 };
 
@@ -45,9 +45,9 @@ evaluation::ScoredRobot in_time(evaluation::ScoredRobot robot, const ScanTimes& 
 
 const char* verdict_name(evaluation::Verdict verdict) {
   switch (verdict) {
-    case evaluation::Verdict::kFixed:
+    case evaluation::Verdict::kCorrect:
       return "fixed";
-    case evaluation::Verdict::kFalse:
+    case evaluation::Verdict::kWrong:
       return "wrong";
     case evaluation::Verdict::kNone:
       break;
@@ -80,8 +80,8 @@ class RobotsExperiment {
     evaluation::EvaluationOptions options;
     options.starts = arguments_.starts;
     options.near_m = arguments_.near_m;
-    options.way_m = arguments_.way_m;
-    options.time_s = arguments_.time_s;
+    options.max_distance_m = arguments_.max_distance_m;
+    options.max_time_s = arguments_.max_time_s;
     options.batch = 1;
     return options;
   }
@@ -94,7 +94,7 @@ class RobotsExperiment {
     evaluation::EvaluationOptions options = this->options();
     options.make_robot = [&](const evaluation::LogScan& first) {
       searching_of_robot.push_back(sum(times.searching_ms));
-      return in_time(contestant.switch_on(first, times), times, arguments_.time_s);
+      return in_time(contestant.switch_on(first, times), times, arguments_.max_time_s);
     };
     const auto records =
         evaluation::evaluate(building_.log, building_.begin, {building_.mapped.map}, 0,
@@ -125,11 +125,12 @@ class RobotsExperiment {
       return answered ? std::to_string(value) : std::string();
     };
     starts_.row(building_.mapped.name, method, record.start, verdict_name(record.verdict),
-                if_answered(record.way_m.value_or(0.0)), if_answered(record.seconds.value_or(0.0)),
-                if_answered(record.error_m), if_answered(record.error_rad),
-                if_answered(record.pose.x), if_answered(record.pose.y),
-                if_answered(record.pose.yaw), if_answered(record.truth.x),
-                if_answered(record.truth.y), if_answered(record.truth.yaw), searching_ms);
+                if_answered(record.localized_after_m.value_or(0.0)),
+                if_answered(record.localized_after_s.value_or(0.0)), if_answered(record.error_m),
+                if_answered(record.error_rad), if_answered(record.pose.x),
+                if_answered(record.pose.y), if_answered(record.pose.yaw),
+                if_answered(record.truth.x), if_answered(record.truth.y),
+                if_answered(record.truth.yaw), searching_ms);
   }
 
   void write_times(const std::string& method, const char* phase, const std::vector<double>& ms,
@@ -177,9 +178,10 @@ void add_robots_experiment(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_option("--near", arguments->near_m,
                       "Metres from a mapping pose that a start may be");
-  command->add_option("--way", arguments->way_m, "Metres of driving allowed until the fix");
-  command->add_option("--time", arguments->time_s,
-                      "Seconds allowed until the fix, of driving and of computing");
+  command->add_option("--way", arguments->max_distance_m,
+                      "Metres of driving allowed until localized");
+  command->add_option("--time", arguments->max_time_s,
+                      "Seconds allowed until localized, of driving and of computing");
   add_out_option(*command, arguments->out);
   command->callback([arguments] { RobotsExperiment(*arguments).run(); });
 }

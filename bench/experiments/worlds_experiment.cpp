@@ -175,9 +175,9 @@ class WorldsExperiment {
       return;
     }
     table_.row(kind, seed, method,
-               record.verdict == evaluation::Verdict::kFixed ? "fixed" : "wrong", *record.way_m,
-               *record.seconds, record.error_m, record.error_rad, corners, record.truth.x,
-               record.truth.y);
+               record.verdict == evaluation::Verdict::kCorrect ? "fixed" : "wrong",
+               *record.localized_after_m, *record.localized_after_s, record.error_m,
+               record.error_rad, corners, record.truth.x, record.truth.y);
   }
 
   /// The first world of a kind, for a figure; the start is a wall without length.

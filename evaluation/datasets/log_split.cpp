@@ -24,11 +24,12 @@ DividedLog divide_by_share(const std::vector<std::size_t>& posed, double share) 
 DividedLog divide_by_blocks(const RecordedLog& log, const std::vector<std::size_t>& posed,
                             double block_m) {
   DividedLog divided;
-  double way = 0.0;
+  double path_length_m = 0.0;
   for (std::size_t k = 0; k < posed.size(); ++k) {
     if (k > 0)
-      way += distance(*log.scans[posed[k - 1]].T_map_laser, *log.scans[posed[k]].T_map_laser);
-    const bool maps = std::fmod(std::floor(way / block_m), 2.0) == 0.0;
+      path_length_m +=
+          distance(*log.scans[posed[k - 1]].T_map_laser, *log.scans[posed[k]].T_map_laser);
+    const bool maps = std::fmod(std::floor(path_length_m / block_m), 2.0) == 0.0;
     (maps ? divided.mapping : divided.asking).push_back(posed[k]);
   }
   return divided;

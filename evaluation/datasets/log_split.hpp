@@ -16,7 +16,7 @@ struct ShareSplit {
   double share = 0.5;
 };
 
-/// Blocks of way take turns, a mapping one first; > 0.
+/// Blocks of path length take turns, a mapping one first; > 0.
 struct BlockSplit {
   double block_m = 30.0;
 };

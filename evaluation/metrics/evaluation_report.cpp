@@ -14,9 +14,9 @@ namespace {
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kFixed:
+    case Verdict::kCorrect:
       return "fixed";
-    case Verdict::kFalse:
+    case Verdict::kWrong:
       return "false";
     case Verdict::kNone:
       break;
@@ -71,22 +71,22 @@ void append(std::vector<double>& all, const std::vector<double>& more) {
 /// Of the starts in the mapped part.
 struct MappedStarts {
   std::size_t starts = 0;
-  std::size_t fixed = 0;
+  std::size_t correct = 0;
   std::size_t wrong = 0;
   std::size_t none = 0;
   std::size_t within_1m = 0;
   std::size_t within_5m = 0;
   nlohmann::ordered_json none_reasons = nlohmann::ordered_json::object();
-  std::vector<double> ways;
+  std::vector<double> distances_m;
   std::vector<double> seconds;
   std::vector<double> errors_m;
   std::vector<double> errors_deg;
 
   void add(const StartRecord& record) {
     ++starts;
-    if (record.verdict == Verdict::kFalse) ++wrong;
+    if (record.verdict == Verdict::kWrong) ++wrong;
     if (record.verdict == Verdict::kNone) add_silent(record.reason);
-    if (record.verdict == Verdict::kFixed) add_fixed(record);
+    if (record.verdict == Verdict::kCorrect) add_correct(record);
   }
 
  private:
@@ -96,12 +96,12 @@ struct MappedStarts {
     count = count.is_null() ? 1 : count.get<int>() + 1;
   }
 
-  void add_fixed(const StartRecord& record) {
-    ++fixed;
-    ways.push_back(*record.way_m);
-    seconds.push_back(*record.seconds);
-    within_1m += *record.way_m <= 1.0 ? 1 : 0;
-    within_5m += *record.way_m <= 5.0 ? 1 : 0;
+  void add_correct(const StartRecord& record) {
+    ++correct;
+    distances_m.push_back(*record.localized_after_m);
+    seconds.push_back(*record.localized_after_s);
+    within_1m += *record.localized_after_m <= 1.0 ? 1 : 0;
+    within_5m += *record.localized_after_m <= 5.0 ? 1 : 0;
     errors_m.push_back(record.error_m);
     errors_deg.push_back(record.error_rad * kDegreesPerRadian);
   }
@@ -127,7 +127,7 @@ struct AllAnswers {
     wrong += record.wrong_answers;
     if (!record.first_wrong) return;
     ++starts_with_wrong;
-    wrong_later += record.verdict == Verdict::kFixed ? 1 : 0;
+    wrong_later += record.verdict == Verdict::kCorrect ? 1 : 0;
     withdrawn_in_time += record.withdrawal == Withdrawal::kInTime ? 1 : 0;
     withdrawn_late += record.withdrawal == Withdrawal::kLate ? 1 : 0;
     undecided += record.withdrawal == Withdrawal::kUndecided ? 1 : 0;
@@ -180,7 +180,7 @@ Tally tally_of(const std::vector<StartRecord>& records, double near_m) {
       tally.mapped.add(record);
     } else {
       ++tally.outside;
-      tally.outside_false += record.verdict == Verdict::kFalse ? 1 : 0;
+      tally.outside_false += record.verdict == Verdict::kWrong ? 1 : 0;
     }
   }
   return tally;
@@ -199,12 +199,12 @@ nlohmann::ordered_json reliability_json(const std::vector<Forecast>& forecasts) 
 void add_starts(nlohmann::ordered_json& summary, const Tally& tally) {
   const MappedStarts& mapped = tally.mapped;
   summary["starts"] = mapped.starts;
-  summary["fixed"] = mapped.fixed;
+  summary["fixed"] = mapped.correct;
   summary["false"] = mapped.wrong;
   summary["none"] = mapped.none;
   summary["none_reasons"] = mapped.none_reasons;
-  summary["success"] = share(mapped.fixed, mapped.starts);
-  summary["success_interval"] = interval(mapped.fixed, mapped.starts);
+  summary["success"] = share(mapped.correct, mapped.starts);
+  summary["success_interval"] = interval(mapped.correct, mapped.starts);
   summary["success_1m"] = share(mapped.within_1m, mapped.starts);
   summary["success_5m"] = share(mapped.within_5m, mapped.starts);
   summary["outside"] = tally.outside;
@@ -227,7 +227,7 @@ void add_answers(nlohmann::ordered_json& summary, const AllAnswers& answers, std
 
 nlohmann::ordered_json wrong_answer_json(const StartRecord& record) {
   const JudgedAnswer& wrong = *record.first_wrong;
-  return {{"driven", wrong.driven_m},
+  return {{"driven", wrong.distance_traveled_m},
           {"err", {wrong.error.m, wrong.error.rad * kDegreesPerRadian}},
           {"confidence", wrong.confidence},
           {"nees", wrong.nees},
@@ -250,7 +250,7 @@ nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluatio
                                  {"features", evaluation.map->features().size()}};
   add_starts(summary, tally);
   add_answers(summary, tally.answers, tally.mapped.starts + tally.outside);
-  summary["way_m"] = quantiles(tally.mapped.ways, 0.9, "p90");
+  summary["way_m"] = quantiles(tally.mapped.distances_m, 0.9, "p90");
   summary["seconds"] = quantiles(tally.mapped.seconds, 0.9, "p90");
   summary["error_m"] = quantiles(tally.mapped.errors_m, 0.95, "p95");
   summary["error_deg"] = quantiles(tally.mapped.errors_deg, 0.95, "p95");
@@ -272,8 +272,8 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
       {"start", record.start},
       {"near", record.near_m},
       {"result", to_string(record.verdict)},
-      {"way", or_null(record.way_m)},
-      {"seconds", or_null(record.seconds)},
+      {"way", or_null(record.localized_after_m)},
+      {"seconds", or_null(record.localized_after_s)},
       {"scans", record.scans},
       {"ms", std::move(ms)},
       {"rtt_ms", record.round_trip_ms},
@@ -283,7 +283,7 @@ nlohmann::ordered_json record_json(const StartRecord& record) {
       {"answers_judged", record.answers_judged},
       {"wrong_answers", record.wrong_answers},
       {"err", nlohmann::ordered_json::array()},
-      {"driven", record.driven_m},
+      {"driven", record.distance_traveled_m},
   };
   if (record.first_wrong) json["first_wrong"] = wrong_answer_json(record);
   if (record.verdict == Verdict::kNone) {
@@ -314,11 +314,11 @@ void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
          "reason,answers_judged,wrong_answers,longest_wrong_m\n";
   for (const StartRecord& record : records) {
     csv << record.start << ',' << record.near_m << ',' << to_string(record.verdict) << ',';
-    if (record.way_m) csv << *record.way_m;
+    if (record.localized_after_m) csv << *record.localized_after_m;
     csv << ',';
-    if (record.seconds) csv << *record.seconds;
-    csv << ',' << record.driven_m << ',' << record.confidence << ',' << record.error_m << ','
-        << record.error_rad;
+    if (record.localized_after_s) csv << *record.localized_after_s;
+    csv << ',' << record.distance_traveled_m << ',' << record.confidence << ',' << record.error_m
+        << ',' << record.error_rad;
     for (const Pose2& pose : {record.pose, record.truth})
       csv << ',' << pose.x << ',' << pose.y << ',' << pose.yaw;
     csv << ',' << record.scans << ',' << record.right_after << ',' << record.wrong_after << ','
@@ -332,17 +332,17 @@ void write_samples(std::ostream& csv, const std::string& name,
                    const std::vector<StartRecord>& records, bool header) {
   if (header) {
     csv << "log,start,way_m,near_m,right";
-    for (const char* place : {"best", "second"}) {
-      for (std::size_t i = 0; i < kEndClasses; ++i) csv << ',' << place << "_end" << i;
-      for (std::size_t i = 0; i < kPassClasses; ++i) csv << ',' << place << "_pass" << i;
+    for (const char* pose_name : {"best", "second"}) {
+      for (std::size_t i = 0; i < kEndClasses; ++i) csv << ',' << pose_name << "_end" << i;
+      for (std::size_t i = 0; i < kPassClasses; ++i) csv << ',' << pose_name << "_pass" << i;
     }
     csv << ",explained_share,independent_hits,significance,margin_per_hit,rival_evidence,"
            "unknown_share\n";
   }
   for (const StartRecord& record : records) {
     for (const DecisionSample& sample : record.samples) {
-      csv << name << ',' << record.start << ',' << sample.way_m << ',' << sample.near_m << ','
-          << sample.right;
+      csv << name << ',' << record.start << ',' << sample.distance_traveled_m << ','
+          << sample.near_m << ',' << sample.right;
       for (const EvidenceScore* score : {&sample.best, &sample.second}) {
         for (const int count : score->end_counts) csv << ',' << count;
         for (const int count : score->pass_counts) csv << ',' << count;

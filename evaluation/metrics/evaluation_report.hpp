@@ -27,7 +27,7 @@ namespace cornerfix::evaluation {
 void write_records(std::ostream& csv, const std::vector<StartRecord>& records);
 
 /// A row per sample: the log's name, start, path length, distance to the mapped part, right or not,
-/// and the class counts of the two best places.
+/// and the class counts of the two best poses.
 void write_samples(std::ostream& csv, const std::string& name,
                    const std::vector<StartRecord>& records, bool header);
 

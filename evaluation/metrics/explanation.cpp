@@ -62,8 +62,8 @@ class ExplainedRobot {
   std::optional<Decision>& decision_;
 };
 
-/// The scans from `start` to the end of its drive.
-std::vector<std::size_t> drive_from(std::span<const std::size_t> asking, std::size_t start) {
+/// The scans from `start` to the end of its run.
+std::vector<std::size_t> run_from(std::span<const std::size_t> asking, std::size_t start) {
   const auto begin = std::ranges::find(asking, start);
   const auto end = std::adjacent_find(begin, asking.end(),
                                       [](std::size_t a, std::size_t b) { return b != a + 1; });
@@ -190,9 +190,8 @@ Explanation explain(const RecordedLog& log, std::span<const std::size_t> asking,
         std::make_shared<ExplainedRobot>(maps, options.localizer, start, explanation.decision);
     return [robot](const RobotScan& scan) { return robot->process(scan); };
   };
-  const std::vector<std::size_t> drive = drive_from(asking, start);
-  explanation.record =
-      evaluate(log, drive, maps, right_map, mapping_positions, one, nullptr).front();
+  const std::vector<std::size_t> run = run_from(asking, start);
+  explanation.record = evaluate(log, run, maps, right_map, mapping_positions, one, nullptr).front();
   if (explanation.decision)
     explanation.decision->reference = *log.scans[explanation.decision->scan].T_map_laser;
   return explanation;
@@ -207,7 +206,7 @@ nlohmann::ordered_json explanation_json(const Explanation& explanation,
                               {"answers_judged", record.answers_judged},
                               {"wrong_answers", record.wrong_answers},
                               {"decision", nullptr}};
-  if (record.way_m) json["way"] = *record.way_m;
+  if (record.localized_after_m) json["way"] = *record.localized_after_m;
   if (explanation.decision) json["decision"] = decision_json(*explanation.decision, right_map);
   return json;
 }

@@ -29,7 +29,7 @@ struct Explanation {
   std::optional<Decision> decision;  ///< Nothing when the whole map was never searched.
 };
 
-/// Drives one robot from the scan `start` of the log as evaluate() does. A second localizer that
+/// Runs one robot from the scan `start` of the log as evaluate() does. A second localizer that
 /// accepts nothing goes beside it, since an answer with a pose no longer lists the rivals.
 /// `asking` holds `start`.
 [[nodiscard]] Explanation explain(const RecordedLog& log, std::span<const std::size_t> asking,

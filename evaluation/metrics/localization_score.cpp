@@ -22,17 +22,17 @@ bool has_key_scans(const RecordedLog& log) {
                      [](const LogScan& scan) { return scan.is_key_scan; });
 }
 
-/// Whether the scan at position `k` follows the one before it; otherwise another drive begins.
+/// Whether the scan at position `k` follows the one before it; otherwise another run begins.
 bool continues_at(std::span<const std::size_t> order, std::size_t k) {
   return order[k] == order[k - 1] + 1;
 }
 
 /// One robot from its switch-on to its verdict.
-class Drive {
+class StartedRobot {
  public:
-  Drive(const RecordedLog& log, std::span<const std::size_t> order,
-        const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
-        const std::vector<Point2>& mapping_positions, const EvaluationOptions& options)
+  StartedRobot(const RecordedLog& log, std::span<const std::size_t> order,
+               const std::vector<LocalizationMapPtr>& maps, std::size_t right_map,
+               const std::vector<Point2>& mapping_positions, const EvaluationOptions& options)
       : log_(log),
         order_(order),
         maps_(maps),
@@ -51,13 +51,14 @@ class Drive {
     for (std::size_t k = start; k < order_.size(); ++k) {
       if (k > start && !continues_at(order_, k)) break;
       const LogScan& scan = scan_at(k);
-      if (k > start) record_.driven_m += distance(*scan.T_map_laser, *scan_at(k - 1).T_map_laser);
+      if (k > start)
+        record_.distance_traveled_m += distance(*scan.T_map_laser, *scan_at(k - 1).T_map_laser);
       const Answer answer = take(scan);
       const bool key = !keyed_ || scan.is_key_scan;
       if (++waiting < options_.batch && !(keyed_ && key)) continue;
       waiting = 0;
       const double elapsed_s = scan.scan.stamp - scan_at(start).scan.stamp;
-      judge_.take(answer, *scan.T_map_laser, key, record_.driven_m);
+      judge_.take(answer, *scan.T_map_laser, key, record_.distance_traveled_m);
       note_first_localized(answer, elapsed_s);
       if (is_over(elapsed_s)) break;
     }
@@ -100,7 +101,7 @@ class Drive {
     record_.searches.push_back({answer.confidence, right});
     if (!options_.sample) return;
     record_.samples.push_back(
-        {record_.driven_m, nearest_mapping(scan), right, best.evidence,
+        {record_.distance_traveled_m, nearest_mapping(scan), right, best.evidence,
          answer.hypotheses.size() > 1 ? answer.hypotheses[1].evidence : EvidenceScore{},
          answer.terms});
   }
@@ -112,7 +113,8 @@ class Drive {
     const auto asked = std::chrono::steady_clock::now();
     const double begin = thread_ms();
     Answer answer = robot_(robot_scan);
-    (record_.way_m ? record_.tracking_ms : record_.searching_ms).push_back(thread_ms() - begin);
+    (record_.localized_after_m ? record_.tracking_ms : record_.searching_ms)
+        .push_back(thread_ms() - begin);
     const std::chrono::duration<double, std::milli> waited =
         std::chrono::steady_clock::now() - asked;
     record_.round_trip_ms.push_back(waited.count());
@@ -122,21 +124,23 @@ class Drive {
     return answer;
   }
 
-  /// No map holds the place of a mirrored scan or of a log from elsewhere.
+  /// No map holds the surroundings of a mirrored scan or of a log from elsewhere.
   [[nodiscard]] bool is_in_a_map() const { return !options_.mirror && right_map_ != kNoMap; }
 
   void note_first_localized(const Answer& answer, double elapsed_s) {
-    if (record_.way_m || !judge_.localized_at_m()) return;
-    record_.way_m = judge_.localized_at_m();
-    record_.seconds = elapsed_s;
+    if (record_.localized_after_m || !judge_.localized_at_m()) return;
+    record_.localized_after_m = judge_.localized_at_m();
+    record_.localized_after_s = elapsed_s;
     record_.confidence = answer.confidence;
   }
 
   /// A robot with a wrong pose is followed until it is known whether it withdraws the pose in time.
   [[nodiscard]] bool is_over(double elapsed_s) const {
-    if (!record_.way_m) return record_.driven_m > options_.way_m || elapsed_s > options_.time_s;
+    if (!record_.localized_after_m)
+      return record_.distance_traveled_m > options_.max_distance_m ||
+             elapsed_s > options_.max_time_s;
     const bool is_open = judge_.is_pending() || judge_.withdrawal() == Withdrawal::kUndecided;
-    return !is_open && record_.driven_m > *record_.way_m + options_.track_m;
+    return !is_open && record_.distance_traveled_m > *record_.localized_after_m + options_.track_m;
   }
 
   void note_judged_answers() {
@@ -149,7 +153,7 @@ class Drive {
     record_.localized = judge_.forecasts();
     const auto& first = judge_.first();
     if (!first) return;
-    record_.verdict = first->correct ? Verdict::kFixed : Verdict::kFalse;
+    record_.verdict = first->correct ? Verdict::kCorrect : Verdict::kWrong;
     record_.error_m = first->error.m;
     record_.error_rad = first->error.rad;
     record_.pose = first->pose;
@@ -186,19 +190,20 @@ std::size_t split_index(const RecordedLog& log, double share) {
 }
 
 std::vector<std::size_t> countable_starts(const RecordedLog& log,
-                                          std::span<const std::size_t> asking, double way_m,
-                                          double time_s) {
+                                          std::span<const std::size_t> asking,
+                                          double max_distance_m, double max_time_s) {
   const auto scan_at = [&](std::size_t k) -> const LogScan& { return log.scans[asking[k]]; };
-  std::vector<double> driven_m(asking.size(), 0.0);
+  std::vector<double> distance_traveled_m(asking.size(), 0.0);
   for (std::size_t k = 1; k < asking.size(); ++k) {
-    driven_m[k] = driven_m[k - 1] + distance(*scan_at(k).T_map_laser, *scan_at(k - 1).T_map_laser);
+    distance_traveled_m[k] =
+        distance_traveled_m[k - 1] + distance(*scan_at(k).T_map_laser, *scan_at(k - 1).T_map_laser);
   }
   std::vector<std::size_t> starts;
   std::size_t last = asking.size();  // of the run that k belongs to
   for (std::size_t k = asking.size(); k-- > 0;) {
     if (k + 1 == asking.size() || !continues_at(asking, k + 1)) last = k;
-    if (driven_m[last] - driven_m[k] >= way_m ||
-        scan_at(last).scan.stamp - scan_at(k).scan.stamp >= time_s)
+    if (distance_traveled_m[last] - distance_traveled_m[k] >= max_distance_m ||
+        scan_at(last).scan.stamp - scan_at(k).scan.stamp >= max_time_s)
       starts.push_back(k);
   }
   std::ranges::reverse(starts);
@@ -224,17 +229,17 @@ Evaluation map_from(const RecordedLog& log, std::span<const std::size_t> mapping
     if (mapper.is_key_frame(posed)) mapper.add(std::move(posed));
   }
   evaluation.map = std::make_shared<const LocalizationMap>(log.header.name, 1, mapper.build());
-  evaluation.key_frames = mapper.key_frames();
+  evaluation.keyframes = mapper.key_frames();
   evaluation.map_seconds = 1e-3 * (thread_ms() - begin);
   return evaluation;
 }
 
 Result<Evaluation> map_from_occupancy_map(const std::filesystem::path& yaml, const RecordedLog& log,
                                           const MapperParams& params) {
-  const Result<OccupancyGrid> floor_map = read_map_files(yaml);
-  if (!floor_map) return floor_map.error();
+  const Result<OccupancyGrid> occupancy_map = read_map_files(yaml);
+  if (!occupancy_map) return occupancy_map.error();
   const double begin = processor_ms(CLOCK_PROCESS_CPUTIME_ID);  // on all cores
-  Result<GridMap> map = map_from_grid(*floor_map, params);
+  Result<GridMap> map = map_from_grid(*occupancy_map, params);
   if (!map) return map.error();
   for (const std::string& warning : map->warnings)
     std::fprintf(stderr, "%s: %s\n", yaml.c_str(), warning.c_str());
@@ -268,7 +273,8 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::span<const std::s
                                   const std::vector<Point2>& mapping_positions,
                                   const EvaluationOptions& options, const ShareDone& progress) {
   if (order.empty()) return {};
-  std::vector<std::size_t> starts = countable_starts(log, order, options.way_m, options.time_s);
+  std::vector<std::size_t> starts =
+      countable_starts(log, order, options.max_distance_m, options.max_time_s);
   const bool counts = !starts.empty();
   if (!counts) {
     starts.resize(order.size());
@@ -278,7 +284,7 @@ std::vector<StartRecord> evaluate(const RecordedLog& log, std::span<const std::s
   std::vector<StartRecord> records(count);
   const auto ask = [&](std::size_t i) {
     const std::size_t start = starts[i * starts.size() / count];
-    records[i] = Drive(log, order, maps, right_map, mapping_positions, options).run(start);
+    records[i] = StartedRobot(log, order, maps, right_map, mapping_positions, options).run(start);
     records[i].counts = counts;
   };
   in_parallel(count, options.threads, ask, progress);

@@ -1,4 +1,4 @@
-/// \file  Scores the localizer on a recorded run: one part makes the map, from many places of the
+/// \file  Scores the localizer on a recorded run: one part makes the map, from many scans of the
 /// rest a robot is switched on. In process and on all cores; the rules and the names of the figures
 /// are those of the HTTP replay.
 #pragma once
@@ -27,16 +27,16 @@ using ScoredRobot = std::function<Answer(const RobotScan&)>;
 
 struct EvaluationOptions {
   std::size_t starts = 100;
-  double near_m = 1.5;    ///< A start this near to a mapping pose lies in the mapped part.
-  double way_m = 20.0;    ///< Driving allowed until localized.
-  double time_s = 180.0;  ///< Log time allowed (the paper's limit).
-  double track_m = 5.0;   ///< Path length followed after the first `localized` answer.
-  std::size_t batch = 5;  ///< Scans a question.
+  double near_m = 1.5;           ///< A start this near to a mapping pose lies in the mapped part.
+  double max_distance_m = 20.0;  ///< Driving allowed until localized.
+  double max_time_s = 180.0;     ///< Log time allowed (the paper's limit).
+  double track_m = 5.0;          ///< Path length followed after the first `localized` answer.
+  std::size_t batch = 5;         ///< Scans per question.
   bool use_odometry = true;
   /// Corrupts the odometry of each robot, by the index of its first scan as seed.
   std::optional<OdometryFaultKind> odometry_fault;
   std::size_t threads = 1;
-  bool mirror = false;  ///< Turn the scans over: no place may be found then.
+  bool mirror = false;  ///< Turn the scans over: no pose may be accepted then.
   bool sample = false;  ///< Never accept; record what each search of the whole map knew.
   MapperParams mapper;
   LocalizerParams localizer;
@@ -45,16 +45,16 @@ struct EvaluationOptions {
   std::function<ScoredRobot(const LogScan&)> make_robot;
 };
 
-enum class Verdict { kFixed, kFalse, kNone };
+enum class Verdict { kCorrect, kWrong, kNone };
 
-/// What was known of the two best places when a robot had looked at all of them, for learning to
-/// decide.
+/// What was known of the two best poses after a search of the whole map, for
+/// calibration.
 struct DecisionSample {
-  double way_m = 0.0;   ///< Driven so far.
+  double distance_traveled_m = 0.0;
   double near_m = 0.0;  ///< From the nearest mapping pose, now.
-  bool right = false;   ///< Whether the best place is the true one.
+  bool right = false;   ///< Whether the best pose is the true one.
   EvidenceScore best;
-  EvidenceScore second;  ///< No ends when there was no other place.
+  EvidenceScore second;  ///< No hits when there was no other pose.
   AcceptanceTerms terms;
 };
 
@@ -65,11 +65,11 @@ struct StartRecord {
   double near_m = 0.0;    ///< From the nearest mapping pose.
   Verdict verdict = Verdict::kNone;
   Reason reason = Reason::kNone;  ///< Of the last answer: why it was not localized, if so.
-  double driven_m = 0.0;
-  std::optional<double> way_m;    ///< Until localized.
-  std::optional<double> seconds;  ///< Until localized.
-  double confidence = 0.0;        ///< When localized.
-  double error_m = 0.0;           ///< When localized.
+  double distance_traveled_m = 0.0;
+  std::optional<double> localized_after_m;  ///< Path length.
+  std::optional<double> localized_after_s;
+  .double confidence = 0.0;  ///< When localized.
+  double error_m = 0.0;      ///< When localized.
   double error_rad = 0.0;
   Pose2 pose;  ///< Of the laser, when localized, as answered and as it was.
   Pose2 truth;
@@ -84,8 +84,8 @@ struct StartRecord {
   std::vector<double>
       nees;  ///< Of the judged answers after the first: 3 on average if covariance is right.
   std::vector<double> searching_ms;   ///< Processor time per scan, until localized.
-  std::vector<double> tracking_ms;    ///< A scan, after it.
-  std::vector<double> round_trip_ms;  ///< A scan, by the clock on the wall: what a caller waits.
+  std::vector<double> tracking_ms;    ///< Per scan, after it.
+  std::vector<double> round_trip_ms;  ///< Per scan, by the wall clock: what a caller waits.
   std::vector<DecisionSample> samples;
   std::vector<Forecast> searches;   ///< Best pose of each search of the whole map.
   std::vector<Forecast> localized;  ///< Judged `localized` answers.
@@ -94,7 +94,7 @@ struct StartRecord {
 struct Evaluation {
   LocalizationMapPtr map;
   std::vector<Point2> mapping_positions;  ///< Of the laser.
-  std::vector<PosedScan> key_frames;      ///< What the map was made of.
+  std::vector<PosedScan> keyframes;       ///< What the map was made of.
   double map_seconds = 0.0;               ///< Processor time.
   std::string split;                      ///< How the log was divided, as given.
   double wall_s = 0.0;                    ///< Of all starts.
@@ -117,12 +117,12 @@ struct Evaluation {
 /// Scans before the split; all of them for a map log.
 [[nodiscard]] std::size_t split_index(const RecordedLog& log, double share);
 
-/// Positions in `asking` at which a start counts: the log drives on without a gap for `way_m` or
-/// for `time_s`. Known before anything is asked, so that no answer can take a start out of the
-/// count.
+/// Positions in `asking` at which a start counts: the log drives on without a gap for
+/// `max_distance_m` or for `max_time_s`. Known before anything is asked, so that no answer can take
+/// a start out of the count.
 [[nodiscard]] std::vector<std::size_t> countable_starts(const RecordedLog& log,
                                                         std::span<const std::size_t> asking,
-                                                        double way_m, double time_s);
+                                                        double max_distance_m, double max_time_s);
 
 inline constexpr std::size_t kNoMap =
     static_cast<std::size_t>(-1);  ///< The log lies in none of the maps.

@@ -37,22 +37,22 @@ double mean_of(std::span<const double> values) {
 }
 
 /// Predicted and measured path lengths of starts.
-struct Ways {
-  std::vector<double> told_m;
+struct PathLengths {
+  std::vector<double> predicted_m;
   std::vector<double> driven_m;
 
-  void add(double told, double driven) {
-    told_m.push_back(told);
+  void add(double predicted, double driven) {
+    predicted_m.push_back(predicted);
     driven_m.push_back(driven);
   }
-  [[nodiscard]] double correlation() const { return rank_correlation(told_m, driven_m); }
+  [[nodiscard]] double correlation() const { return rank_correlation(predicted_m, driven_m); }
 };
 
-Ways means_in_squares(const std::map<std::pair<int, int>, Ways>& squares) {
-  Ways means;
-  for (const auto& [square, ways] : squares) {
-    if (ways.told_m.size() < kMinStarts) continue;
-    means.add(mean_of(ways.told_m), mean_of(ways.driven_m));
+PathLengths means_in_squares(const std::map<std::pair<int, int>, PathLengths>& squares) {
+  PathLengths means;
+  for (const auto& [square, lengths] : squares) {
+    if (lengths.predicted_m.size() < kMinStarts) continue;
+    means.add(mean_of(lengths.predicted_m), mean_of(lengths.driven_m));
   }
   return means;
 }
@@ -74,7 +74,7 @@ double rank_correlation(std::span<const double> a, std::span<const double> b) {
   return square_a > 0.0 && square_b > 0.0 ? product / std::sqrt(square_a * square_b) : 0.0;
 }
 
-double predicted_way_m(const LocalizabilityReport& report, const Pose2& T_map_start) {
+double predicted_distance_m(const LocalizabilityReport& report, const Pose2& T_map_start) {
   constexpr double kLeastWeight = 1e-300;  // where all starts are far away, all count
   double sum = 0.0;
   double weights = 0.0;
@@ -93,7 +93,7 @@ double predicted_way_m(const LocalizabilityReport& report, const Pose2& T_map_st
 ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
                          const EvaluationOptions& options) {
   LocalizabilityParams params;
-  params.way_m = options.way_m;
+  params.way_m = options.max_distance_m;
   params.robot.lidar = log.scans.front().scan;
   params.robot.beams = log.scans.front().scan.ranges.size();
   const LocalizabilityReport report =
@@ -110,29 +110,30 @@ ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,
     }
   }
   score.success = found / std::max(1.0, simulated);
-  Ways starts;
+  PathLengths starts;
   std::vector<Pose2> T_map_starts;
-  std::map<std::pair<int, int>, Ways> squares;
+  std::map<std::pair<int, int>, PathLengths> squares;
   for (const StartRecord& record : evaluation.records) {
     if (!record.counts || record.near_m > options.near_m) continue;
     const Pose2& T_map_start = *log.scans[record.start].T_map_laser;
-    const double driven =
-        record.verdict == Verdict::kFixed ? record.way_m.value_or(params.way_m) : params.way_m;
-    const double told = predicted_way_m(report, T_map_start);
-    starts.add(told, driven);
+    const double driven = record.verdict == Verdict::kCorrect
+                              ? record.localized_after_m.value_or(params.way_m)
+                              : params.way_m;
+    const double predicted = predicted_distance_m(report, T_map_start);
+    starts.add(predicted, driven);
     squares[{static_cast<int>(std::floor(T_map_start.x / kSquare)),
              static_cast<int>(std::floor(T_map_start.y / kSquare))}]
-        .add(told, driven);
+        .add(predicted, driven);
     T_map_starts.push_back(T_map_start);
   }
   const std::vector<AssessedStart> simulated_starts =
       assess_starts(evaluation.map, T_map_starts, params);
-  Ways same_starts;
+  PathLengths same_starts;
   for (std::size_t i = 0; i < simulated_starts.size(); ++i)
     same_starts.add(simulated_starts[i].way_m.value_or(params.way_m), starts.driven_m[i]);
-  const Ways means = means_in_squares(squares);
-  score.starts = starts.told_m.size();
-  score.squares = means.told_m.size();
+  const PathLengths means = means_in_squares(squares);
+  score.starts = starts.predicted_m.size();
+  score.squares = means.predicted_m.size();
   score.over_starts = starts.correlation();
   score.over_squares = means.correlation();
   score.at_the_starts = same_starts.correlation();

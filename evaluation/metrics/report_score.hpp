@@ -28,7 +28,8 @@ struct ReportScore {
 
 /// What a report predicts for a robot started anywhere: the mean of its starts. Weights fall with
 /// half a spacing of the lattice and with half the angle between them.
-[[nodiscard]] double predicted_way_m(const LocalizabilityReport& report, const Pose2& T_map_start);
+[[nodiscard]] double predicted_distance_m(const LocalizabilityReport& report,
+                                          const Pose2& T_map_start);
 
 /// Robots are simulated with the lidar of the log's first scan.
 [[nodiscard]] ReportScore score_report(const RecordedLog& log, const Evaluation& evaluation,

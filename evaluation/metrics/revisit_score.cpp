@@ -13,9 +13,9 @@ namespace cornerfix::evaluation {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kLeastWay = 20.0;  // [m]
-constexpr double kNear = 1.5;       // [m]
-constexpr double kSameWay = 40.0 * kDegree;
+constexpr double kLeastPathLength = 20.0;  // [m]
+constexpr double kNear = 1.5;              // [m]
+constexpr double kSameDirection = 40.0 * kDegree;
 constexpr std::size_t kMaxPairs = 500;
 constexpr double kSamePosition = 0.01;  // [m]
 constexpr double kSameHeading = 0.2 * kDegree;
@@ -33,16 +33,17 @@ struct ScanPair {
 
 std::vector<ScanPair> revisits(std::span<const std::size_t> indices,
                                const std::vector<Pose2>& trajectory) {
-  std::vector<double> ways(indices.size(), 0.0);
+  std::vector<double> path_lengths_m(indices.size(), 0.0);
   std::vector<ScanPair> pairs;
   for (std::size_t n = 1; n < indices.size(); ++n) {
     const Pose2& here = trajectory[indices[n]];
-    ways[n] = ways[n - 1] + distance(trajectory[indices[n - 1]], here);
+    path_lengths_m[n] = path_lengths_m[n - 1] + distance(trajectory[indices[n - 1]], here);
     double nearest = kNear;
     std::optional<std::size_t> back;
-    for (std::size_t m = 0; m < n && ways[m] + kLeastWay <= ways[n]; ++m) {
+    for (std::size_t m = 0; m < n && path_lengths_m[m] + kLeastPathLength <= path_lengths_m[n];
+         ++m) {
       const Pose2& there = trajectory[indices[m]];
-      if (distance(here, there) >= nearest || angle_between(here, there) > kSameWay) continue;
+      if (distance(here, there) >= nearest || angle_between(here, there) > kSameDirection) continue;
       nearest = distance(here, there);
       back = indices[m];
     }
@@ -98,7 +99,8 @@ std::optional<Pose2> registered(std::span<const LogScan> scans, const ScanPair& 
 RevisitScore score_revisits(std::span<const LogScan> scans, std::span<const std::size_t> indices,
                             std::span<const std::vector<Pose2>> trajectories) {
   RevisitScore score;
-  score.errors.resize(trajectories.size(), {.way_m = kLeastWay, .errors_m = {}, .errors_rad = {}});
+  score.errors.resize(trajectories.size(),
+                      {.path_length_m = kLeastPathLength, .errors_m = {}, .errors_rad = {}});
   for (const ScanPair& pair : all_revisits(indices, trajectories)) {
     const auto expected = registered(scans, pair, trajectories);
     if (!expected) {

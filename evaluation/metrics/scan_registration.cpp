@@ -22,7 +22,8 @@ constexpr double kShrink = 0.8;     // of the gate, an iteration
 constexpr double kStray = 0.03;     // scale of the Cauchy loss [m]
 constexpr std::size_t kMinPoints = 30;
 constexpr std::size_t kMaxReturns = 360;
-constexpr double kLeastTold = 0.02;  // share of the points that constrain the poorest direction
+constexpr double kLeastConstrained =
+    0.02;                            // share of the points that constrain the poorest direction
 constexpr double kConverged = 1e-5;  // [m], [rad]
 constexpr double kSettled = 1e-3;    // [m], [rad]
 
@@ -77,7 +78,7 @@ WallPoints wall_points(const LaserScan& scan) {
 struct System {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d told = Eigen::Matrix3d::Zero();  ///< Without weights.
+  Eigen::Matrix3d unweighted = Eigen::Matrix3d::Zero();
   double squared_arms = 0.0;
   std::size_t points = 0;
 
@@ -87,19 +88,19 @@ struct System {
     const double weight = 1.0 / (1.0 + (error / kStray) * (error / kStray));
     information += weight * jacobian * jacobian.transpose();
     gradient += weight * error * jacobian;
-    told += jacobian * jacobian.transpose();
+    unweighted += jacobian * jacobian.transpose();
     squared_arms += arm.squaredNorm();
     ++points;
   }
 
   /// Radians count by what they move the points.
-  [[nodiscard]] bool tells_a_pose() const {
+  [[nodiscard]] bool constrains_a_pose() const {
     if (points < kMinPoints) return false;
     const double arm = std::sqrt(squared_arms / static_cast<double>(points));
     const Eigen::Vector3d scale(1.0, 1.0, 1.0 / arm);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-        scale.asDiagonal() * told * scale.asDiagonal(), Eigen::EigenvaluesOnly);
-    return axes.eigenvalues()[0] >= kLeastTold * static_cast<double>(points);
+        scale.asDiagonal() * unweighted * scale.asDiagonal(), Eigen::EigenvaluesOnly);
+    return axes.eigenvalues()[0] >= kLeastConstrained * static_cast<double>(points);
   }
 };
 
@@ -131,7 +132,7 @@ std::optional<Registration> register_scans(const LaserScan& a, const LaserScan& 
   double last_step = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMaxIterations; ++i) {
     const System system = linearize(walls, points, found.T_a_b, gate_m);
-    if (!system.tells_a_pose()) return std::nullopt;
+    if (!system.constrains_a_pose()) return std::nullopt;
     found.inlier_share = static_cast<double>(system.points) / static_cast<double>(points.size());
     const Eigen::Vector3d step = -system.information.ldlt().solve(system.gradient);
     found.T_a_b = {found.T_a_b.x + step.x(), found.T_a_b.y + step.y(),

@@ -29,7 +29,8 @@ nlohmann::ordered_json spreads(const RelativePoseError& error) {
 }
 
 nlohmann::ordered_json relative_error_json(const RelativePoseError& error) {
-  nlohmann::ordered_json json = {{"way_m", error.way_m}, {"relations", error.errors_m.size()}};
+  nlohmann::ordered_json json = {{"way_m", error.path_length_m},
+                                 {"relations", error.errors_m.size()}};
   json.update(spreads(error));
   return json;
 }
@@ -63,8 +64,8 @@ nlohmann::ordered_json slam_report_json(const RecordedLog& log, const SlamRun& r
                                    {"submaps", run.submaps},
                                    {"loop_closures", run.loop_closures},
                                    {"cpu_seconds", to_four_decimals(cpu_seconds)}};
-  for (const double way_m : {2.0, 20.0}) {
-    const RelativePoseError error = relative_pose_error(log.scans, run.T_map_laser, way_m);
+  for (const double path_length_m : {2.0, 20.0}) {
+    const RelativePoseError error = relative_pose_error(log.scans, run.T_map_laser, path_length_m);
     if (!error.errors_m.empty())
       report["relative_pose_error"].push_back(relative_error_json(error));
   }

@@ -8,10 +8,10 @@ namespace cornerfix::evaluation {
 
 namespace {
 
-/// A scan's place on the run: its keyframe, and from there.
+/// Where a scan lies: relative to its keyframe.
 struct Stop {
-  std::size_t key_frame = 0;
-  Pose2 T_key_frame_laser;
+  std::size_t keyframe = 0;
+  Pose2 T_keyframe_laser;
 };
 
 }  // namespace
@@ -41,7 +41,7 @@ Result<SlamRun> run_slam(std::span<const LogScan> scans, bool use_odometry,
   });
   if (!optimized) return optimized.error();
   for (const Stop& stop : stops)
-    run.T_map_laser.push_back(optimized->T_map_base_link[stop.key_frame] * stop.T_key_frame_laser);
+    run.T_map_laser.push_back(optimized->T_map_base_link[stop.keyframe] * stop.T_keyframe_laser);
   run.submaps = optimized->submaps;
   run.loop_closures = optimized->loop_closures;
   return run;

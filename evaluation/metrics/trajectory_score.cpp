@@ -16,18 +16,19 @@ std::vector<std::size_t> reference_scans(std::span<const LogScan> scans) {
 }
 
 RelativePoseError relative_pose_error(std::span<const LogScan> scans,
-                                      std::span<const Pose2> T_any_laser, double way_m) {
+                                      std::span<const Pose2> T_any_laser, double path_length_m) {
   const std::vector<std::size_t> indices = reference_scans(scans);
   const auto reference = [&](std::size_t n) { return *scans[indices[n]].T_map_laser; };
-  std::vector<double> ways(indices.size(), 0.0);
+  std::vector<double> path_lengths_m(indices.size(), 0.0);
   for (std::size_t n = 1; n < indices.size(); ++n)
-    ways[n] = ways[n - 1] + distance(reference(n - 1), reference(n));
+    path_lengths_m[n] = path_lengths_m[n - 1] + distance(reference(n - 1), reference(n));
 
-  RelativePoseError error{.way_m = way_m, .errors_m = {}, .errors_rad = {}};
+  RelativePoseError error{.path_length_m = path_length_m, .errors_m = {}, .errors_rad = {}};
   for (std::size_t from = 0; from < indices.size(); ++from) {
-    const auto reached = std::ranges::lower_bound(ways, ways[from] + way_m);
-    if (reached == ways.end()) break;
-    const auto to = static_cast<std::size_t>(reached - ways.begin());
+    const auto reached =
+        std::ranges::lower_bound(path_lengths_m, path_lengths_m[from] + path_length_m);
+    if (reached == path_lengths_m.end()) break;
+    const auto to = static_cast<std::size_t>(reached - path_lengths_m.begin());
     const Pose2 expected = inverse(reference(from)) * reference(to);
     const Pose2 found = inverse(T_any_laser[indices[from]]) * T_any_laser[indices[to]];
     const Pose2 difference = inverse(expected) * found;

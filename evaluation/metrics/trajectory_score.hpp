@@ -15,9 +15,9 @@
 
 namespace cornerfix::evaluation {
 
-/// Errors of relative poses over one length of way.
+/// Errors of relative poses over one path length.
 struct RelativePoseError {
-  double way_m = 0.0;
+  double path_length_m = 0.0;
   std::vector<double> errors_m;
   std::vector<double> errors_rad;
 };
@@ -27,10 +27,11 @@ struct RelativePoseError {
 [[nodiscard]] std::vector<std::size_t> reference_scans(std::span<const LogScan> scans);
 
 /// \param T_any_laser  A pose for each of `scans`, in any frame.
-/// A relation goes from each reference scan to the first one that is at least `way_m` farther.
+/// A relation goes from each reference scan to the first one that is at least `path_length_m`
+/// farther.
 [[nodiscard]] RelativePoseError relative_pose_error(std::span<const LogScan> scans,
                                                     std::span<const Pose2> T_any_laser,
-                                                    double way_m);
+                                                    double path_length_m);
 
 /// The rigid motion that takes the positions of `T_any_laser` to the reference positions with the
 /// least squared error: T_map_any. The identity without reference.

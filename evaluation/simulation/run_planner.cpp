@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kLatticeSpacing = 0.1;     ///< [m] between neighbours of the lattice.
 constexpr double kSmoothingReserve = 0.05;  ///< [m] the lattice keeps beyond the wanted clearance.
-constexpr double kSeenRadius = 2.0;         ///< [m] about the way counts as visited.
+constexpr double kSeenRadius = 2.0;         ///< [m] about the path counts as visited.
 constexpr double kMinLegLength = 5.0;       ///< [m] to the next goal, where the space allows.
 constexpr int kGoalCandidates = 5;          ///< The nearest of these is driven to.
 constexpr int kSmoothingRounds = 30;
 constexpr double kTangentReach = 0.3;  ///< [m] ahead and behind, which the heading is taken over.
 
-/// How far a point is from all that is not free, in every map. The way is planned in the frame
+/// How far a point is from all that is not free, in every map. The path is planned in the frame
 /// `grid` of the first, so that it does not depend on where that lies.
 class FreeSpace {
  public:
@@ -56,8 +56,8 @@ struct Edge {
   double cost = 0.0;
 };
 
-/// Points of free space on a regular lattice, joined to their eight neighbours; ways through the
-/// open cost less than ways along walls.
+/// Points of free space on a regular lattice, joined to their eight neighbours; paths through the
+/// open cost less than paths along walls.
 class Lattice {
  public:
   Lattice(const OccupancyGrid& map, const FreeSpace& space, double clearance_m)
@@ -133,8 +133,8 @@ std::vector<int> largest_space(const Lattice& lattice) {
   return largest;
 }
 
-/// A*: the cheapest way between two connected nodes, both included.
-std::vector<Point2> cheapest_way(const Lattice& lattice, int start, int goal) {
+/// A*: the cheapest path between two connected nodes, both included.
+std::vector<Point2> cheapest_path(const Lattice& lattice, int start, int goal) {
   const auto size = static_cast<std::size_t>(lattice.size());
   std::vector<double> cost(size, std::numeric_limits<double>::infinity());
   std::vector<int> previous(size, -1);
@@ -159,12 +159,12 @@ std::vector<Point2> cheapest_way(const Lattice& lattice, int start, int goal) {
       open.emplace(cost_to + at_least(edge.node), edge.node);
     }
   }
-  std::vector<Point2> way;
+  std::vector<Point2> path;
   for (int node = goal; node >= 0; node = previous[static_cast<std::size_t>(node)]) {
-    way.push_back(lattice.point(node));
+    path.push_back(lattice.point(node));
   }
-  std::reverse(way.begin(), way.end());
-  return way;
+  std::reverse(path.begin(), path.end());
+  return path;
 }
 
 /// Picks goals at random, but first where the robot has not been.
@@ -196,10 +196,10 @@ class GoalPicker {
     return best;
   }
 
-  void visit(std::span<const Point2> way) {
+  void visit(std::span<const Point2> path) {
     // Points nearer than a fraction of the radius add nothing.
     std::vector<Point2> sparse;
-    for (const Point2& point : way) {
+    for (const Point2& point : path) {
       if (sparse.empty() || (point - sparse.back()).norm() > 0.25 * kSeenRadius) {
         sparse.push_back(point);
       }
@@ -236,12 +236,12 @@ class GoalPicker {
   std::mt19937_64 random_;
 };
 
-/// Pulls the corners of a way straight as far as the clearance allows; its ends stay.
-void smooth(std::vector<Point2>& way, const FreeSpace& space, double clearance_m) {
+/// Pulls the corners of a path straight as far as the clearance allows; its ends stay.
+void smooth(std::vector<Point2>& path, const FreeSpace& space, double clearance_m) {
   for (int round = 0; round < kSmoothingRounds; ++round) {
-    for (std::size_t i = 1; i + 1 < way.size(); ++i) {
-      const Point2 pulled = 0.5 * way[i] + 0.25 * (way[i - 1] + way[i + 1]);
-      if (space.clearance(pulled) >= clearance_m) way[i] = pulled;
+    for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+      const Point2 pulled = 0.5 * path[i] + 0.25 * (path[i - 1] + path[i + 1]);
+      if (space.clearance(pulled) >= clearance_m) path[i] = pulled;
     }
   }
 }
@@ -277,7 +277,7 @@ class Polyline {
   std::vector<double> lengths_;
 };
 
-/// Adds a pose, and before it the turn on the spot that it takes to face its way.
+/// Adds a pose, and before it the turn on the spot that it takes to face along the path.
 void append_turning(std::vector<Pose2>& poses, const Pose2& pose, double max_turn_rad) {
   while (!poses.empty()) {
     const Pose2& last = poses.back();
@@ -292,7 +292,7 @@ void append_turning(std::vector<Pose2>& poses, const Pose2& pose, double max_tur
 
 Result<std::vector<Pose2>> plan_run(std::span<const OccupancyGrid* const> maps,
                                     const RunPlanOptions& options) {
-  assert(!maps.empty() && "there is a map to drive in");
+  assert(!maps.empty() && "there is a map to plan in");
   const FreeSpace space(maps);
   const Lattice lattice(*maps.front(), space, options.clearance_m + kSmoothingReserve);
   std::vector<int> nodes = largest_space(lattice);
@@ -305,10 +305,10 @@ Result<std::vector<Pose2>> plan_run(std::span<const OccupancyGrid* const> maps,
   int at = goals.any();
   for (double driven = 0.0; driven < options.length_m;) {
     const int goal = goals.next(lattice.point(at));
-    std::vector<Point2> way = cheapest_way(lattice, at, goal);
-    smooth(way, space, options.clearance_m);
-    goals.visit(way);
-    const Polyline leg(std::move(way));
+    std::vector<Point2> path = cheapest_path(lattice, at, goal);
+    smooth(path, space, options.clearance_m);
+    goals.visit(path);
+    const Polyline leg(std::move(path));
     const double leg_length = std::min(leg.length(), options.length_m - driven);
     for (double length = 0.0; length <= leg_length; length += options.step_m) {
       const Point2 point = leg.at(length);

@@ -1,4 +1,4 @@
-/// \file  A smooth way for a robot through the free space of occupancy maps.
+/// \file  A smooth path for a robot through the free space of occupancy maps.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 namespace cornerfix::evaluation {
 
 struct RunPlanOptions {
-  double length_m = 300.0;     ///< Of the whole way; > 0.
+  double length_m = 300.0;     ///< Of the whole path; > 0.
   double step_m = 0.08;        ///< Between poses; > 0.
   double max_turn_rad = 0.15;  ///< Between poses; more is turned on the spot; > 0.
   double clearance_m = 0.28;   ///< Kept to all that is not free, so that doors can be passed; > 0.
-  std::uint64_t seed = 1;      ///< Same seed and maps give the same way.
+  std::uint64_t seed = 1;      ///< Same seed and maps give the same path.
 };
 
-/// Poses in `map` along a way between random goals, the unvisited first, so that a long drive sees
+/// Poses in `map` along a path between random goals, the unvisited first, so that a long run sees
 /// all of the largest space that can be reached. Every pose is free in all of `maps`, which share
 /// one frame; there is at least one.
 ///

@@ -20,17 +20,17 @@ constexpr double kRangeMin = 0.05;      ///< [m]
 constexpr double kScanPeriod = 0.1;     ///< [s]
 constexpr double kLatestStart = 1e10;   ///< [s]; a log writes milliseconds of it exactly
 constexpr double kDropoutRate = 0.005;  ///< Beams that come back empty for no reason.
-constexpr double kBoxToWay = 0.6;       ///< [m] a box stays off the way.
+constexpr double kBoxToPath = 0.6;      ///< [m] a box stays off the path.
 constexpr int kBoxTries = 50;           ///< A narrow building may have no room for a box.
 constexpr double kCrowdRadius = 8.0;    ///< [m] people who got farther away come back.
 constexpr double kPersonalSpace = 0.5;  ///< [m] nobody stands nearer to the lidar.
 constexpr double kLegRadius = 0.08;     ///< [m]
 constexpr double kHalfStride = 0.1;     ///< [m]
 constexpr double kWalkPerScan = 0.06;   ///< [m] standard deviation along each axis.
-constexpr double kChangeOfWayRate = 0.02;
+constexpr double kTurnRate = 0.02;
 
 /// Independent random numbers for each cause, from the one seed.
-enum class Cause : std::uint32_t { kWay, kOdometry, kRanges, kPeople, kBoxes };
+enum class Cause : std::uint32_t { kPath, kOdometry, kRanges, kPeople, kBoxes };
 
 class Random {
  public:
@@ -66,12 +66,12 @@ class Odometry {
   Pose2 move(const Pose2& T_map_laser) {
     const Pose2 motion = last_ ? inverse(*last_) * T_map_laser : Pose2{};
     last_ = T_map_laser;
-    const double way = std::hypot(motion.x, motion.y);
+    const double length = std::hypot(motion.x, motion.y);
     const Pose2 measured{
-        motion.x * scale_ + random_.normal(drift_ * way),
-        motion.y + random_.normal(0.5 * drift_ * way),
-        motion.yaw * (1.0 + random_.normal(drift_)) + turn_per_metre_ * way +
-            random_.normal(0.1 * drift_ * way),
+        motion.x * scale_ + random_.normal(drift_ * length),
+        motion.y + random_.normal(0.5 * drift_ * length),
+        motion.yaw * (1.0 + random_.normal(drift_)) + turn_per_metre_ * length +
+            random_.normal(0.1 * drift_ * length),
     };
     T_odom_laser_ = T_odom_laser_ * measured;
     return T_odom_laser_;
@@ -89,10 +89,10 @@ class Odometry {
 /// People who walk about the robot, each two legs at the lidar's height.
 class Crowd {
  public:
-  Crowd(int count, const std::vector<Pose2>& way, std::uint64_t seed)
+  Crowd(int count, const std::vector<Pose2>& path, std::uint64_t seed)
       : random_(seed, Cause::kPeople) {
     for (int i = 0; i < count; ++i) {
-      people_.push_back({way[random_.index(way.size())].translation(), new_step()});
+      people_.push_back({path[random_.index(path.size())].translation(), new_step()});
     }
   }
 
@@ -103,11 +103,11 @@ class Crowd {
         person.position = robot + 0.5 * kCrowdRadius * Point2{std::cos(bearing), std::sin(bearing)};
       }
       person.position += person.step;
-      if (random_.uniform(0.0, 1.0) < kChangeOfWayRate) person.step = new_step();
+      if (random_.uniform(0.0, 1.0) < kTurnRate) person.step = new_step();
     }
   }
 
-  /// Shortens the beams that legs are in the way of.
+  /// Shortens the beams that legs hide.
   void hide_from(const Pose2& T_map_laser, LaserScan& scan) const {
     for (const Person& person : people_) {
       if ((person.position - T_map_laser.translation()).norm() < kPersonalSpace) continue;
@@ -155,27 +155,27 @@ struct Box {
   }
 };
 
-/// Puts boxes that the map does not know near the way, but not on it.
-void add_boxes(OccupancyGrid& grid, int count, const std::vector<Pose2>& way, std::uint64_t seed) {
+/// Puts boxes that the map does not know near the path, but not on it.
+void add_boxes(OccupancyGrid& grid, int count, const std::vector<Pose2>& path, std::uint64_t seed) {
   Random random(seed, Cause::kBoxes);
   const Pose2 T_grid_map = inverse(grid.T_map_grid);
-  std::vector<Point2> way_grid;
-  way_grid.reserve(way.size());
-  for (const Pose2& pose : way) way_grid.push_back(T_grid_map * pose.translation());
+  std::vector<Point2> path_grid;
+  path_grid.reserve(path.size());
+  for (const Pose2& pose : path) path_grid.push_back(T_grid_map * pose.translation());
 
   const auto random_box = [&] {
-    const Point2 corner = way_grid[random.index(way_grid.size())];
+    const Point2 corner = path_grid[random.index(path_grid.size())];
     const Point2 low{corner.x() + random.normal(1.5), corner.y() + random.normal(1.5)};
     const double width = random.uniform(0.3, 1.0);
     return Box{low, low + Point2{width, random.uniform(0.3, 1.0)}};
   };
-  const auto is_clear_of_way = [&](const Box& box) {
-    return std::all_of(way_grid.begin(), way_grid.end(),
-                       [&](const Point2& point) { return box.distance_to(point) >= kBoxToWay; });
+  const auto is_clear_of_path = [&](const Box& box) {
+    return std::all_of(path_grid.begin(), path_grid.end(),
+                       [&](const Point2& point) { return box.distance_to(point) >= kBoxToPath; });
   };
   for (int placed = 0, tries = 0; placed < count && tries < count * kBoxTries; ++tries) {
     const Box box = random_box();
-    if (!is_clear_of_way(box)) continue;
+    if (!is_clear_of_path(box)) continue;
     ++placed;
     const CellIndex low = grid.cell_of(box.low);
     const CellIndex high = grid.cell_of(box.high);
@@ -217,19 +217,19 @@ void corrupt_odometry(RecordedLog& log, OdometryFaultKind kind, std::uint64_t se
     scan.T_odom_laser = fault.corrupt(scan.scan.stamp, *scan.T_odom_laser);
 }
 
-/// Drives the way and records.
-std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>& way,
+/// Drives along the path and records.
+std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>& path,
                             const RunOptions& options,
                             const std::function<void(double)>& on_progress) {
   const RayCaster caster(grid);
   const LaserScan lidar = lidar_of(options);
   Odometry odometry(options.drift, options.seed);
-  Crowd crowd(options.people, way, options.seed);
+  Crowd crowd(options.people, path, options.seed);
   Random range_random(options.seed, Cause::kRanges);
 
   std::vector<LogScan> scans;
-  scans.reserve(way.size());
-  for (const Pose2& T_map_laser : way) {
+  scans.reserve(path.size());
+  for (const Pose2& T_map_laser : path) {
     LogScan recorded;
     recorded.scan = caster.scan(lidar, options.beams, T_map_laser);
     recorded.scan.stamp = options.start_s + static_cast<double>(scans.size()) * kScanPeriod;
@@ -240,7 +240,7 @@ std::vector<LogScan> record(const OccupancyGrid& grid, const std::vector<Pose2>&
     recorded.T_map_laser = T_map_laser;
     scans.push_back(std::move(recorded));
     if (on_progress) {
-      on_progress(static_cast<double>(scans.size()) / static_cast<double>(way.size()));
+      on_progress(static_cast<double>(scans.size()) / static_cast<double>(path.size()));
     }
   }
   return scans;
@@ -283,19 +283,19 @@ Result<RecordedLog> simulate_run(const OccupancyGrid& map, const RunOptions& opt
   if (auto error = validate(options)) return *error;
   const OccupancyGrid& real = inside != nullptr ? *inside : map;
   const std::array maps = {&real, &map};
-  const Result<std::vector<Pose2>> way =
+  const Result<std::vector<Pose2>> path =
       plan_run(std::span(maps).first(inside != nullptr ? 2 : 1),
                {.length_m = options.length_m,
                 .step_m = options.step_m,
-                .seed = Random(options.seed, Cause::kWay).seed()});
-  if (!way) return way.error();
+                .seed = Random(options.seed, Cause::kPath).seed()});
+  if (!path) return path.error();
 
   OccupancyGrid furnished = real;
-  add_boxes(furnished, options.boxes, *way, options.seed);
+  add_boxes(furnished, options.boxes, *path, options.seed);
   RecordedLog log;
   log.header.lidar = lidar_of(options);
   log.header.beams = options.beams;
-  log.scans = record(furnished, *way, options, on_progress);
+  log.scans = record(furnished, *path, options, on_progress);
   if (options.odometry_fault) corrupt_odometry(log, *options.odometry_fault, options.seed);
   return log;
 }

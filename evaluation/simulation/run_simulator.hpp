@@ -1,4 +1,4 @@
-/// \file  A lidar drive through an occupancy map: what a robot would have recorded there.
+/// \file  A simulated run through an occupancy map: what a robot would have recorded there.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,9 @@ struct RunOptions {
   std::size_t beams = 1081;                           ///< >= 2.
   double range_max_m = 30.0;                          ///< > 0.05, which is range_min.
   double range_noise_m = 0.02;                        ///< Standard deviation; >= 0.
-  double drift = 0.02;      ///< Odometry error as a share of the way; 0 is perfect.
+  double drift = 0.02;      ///< Odometry error as a share of the path length; 0 is perfect.
   int people = 0;           ///< Who walk about the robot; >= 0.
-  int boxes = 0;            ///< Put beside the way, unknown to the map; >= 0.
+  int boxes = 0;            ///< Put beside the path, unknown to the map; >= 0.
   double length_m = 300.0;  ///< > 0.
   double step_m = 0.08;     ///< Between scans; > 0.
   double start_s = 0.0;     ///< Stamp of the first scan [s]; within 1e10 of 0.
@@ -36,10 +36,10 @@ struct RunOptions {
 [[nodiscard]] std::optional<Error> validate(const RunOptions& options);
 
 /// Drives through `map`, with exact reference poses. People, boxes, noise and drift each draw from
-/// their own random numbers, so changing one leaves the way and the others as they were.
+/// their own random numbers, so changing one leaves the path and the others as they were.
 ///
 /// \param inside       Where the robot really is, in the same frame as `map`, when the building
-///                     has changed: rays are cast there, on a way that is free in both.
+///                     has changed: rays are cast there, on a path that is free in both.
 /// \param on_progress  Called with the share that is done, in [0, 1]; may be empty.
 [[nodiscard]] Result<RecordedLog> simulate_run(const OccupancyGrid& map, const RunOptions& options,
                                                const OccupancyGrid* inside = nullptr,

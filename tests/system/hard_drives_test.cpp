@@ -288,7 +288,7 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
 
   EvaluationOptions asked;
   asked.starts = 25;
-  asked.way_m = 5.0;
+  asked.max_distance_m = 5.0;
   asked.track_m = 0.0;
   const auto fixes_in_map_of = [&](const RecordedLog& mapping) {
     const Evaluation evaluation = map_from(mapping, mapping.scans.size(), {});
@@ -297,8 +297,8 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
     const auto count = [&](Verdict verdict) {
       return std::ranges::count(records, verdict, &StartRecord::verdict);
     };
-    EXPECT_EQ(count(Verdict::kFalse), 0);
-    return count(Verdict::kFixed);
+    EXPECT_EQ(count(Verdict::kWrong), 0);
+    return count(Verdict::kCorrect);
   };
   const auto stale = fixes_in_map_of(first);
   const auto updated = fixes_in_map_of(drives);

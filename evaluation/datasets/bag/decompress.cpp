@@ -22,7 +22,7 @@ Error damaged(std::string message) { return {ErrorCode::kMalformed, std::move(me
 /// noticed.
 class Output {
  public:
-  explicit Output(std::size_t told) : limit_(told + 1) {}
+  explicit Output(std::size_t stated_size) : limit_(stated_size + 1) {}
 
   /// Room for the next bytes; empty when the limit is reached.
   std::span<std::byte> room() {
@@ -35,7 +35,7 @@ class Output {
   Result<std::vector<std::byte>> take() && {
     if (used_ + 1 != limit_) {
       return damaged("the chunk unpacks to " + std::string(used_ == limit_ ? "more" : "fewer") +
-                     " bytes than the " + std::to_string(limit_ - 1) + " told");
+                     " bytes than the " + std::to_string(limit_ - 1) + " stated");
     }
     return std::move(*this).take_all();
   }
@@ -213,7 +213,7 @@ Result<std::vector<std::byte>> decompress(std::string_view compression,
     return std::move(output).take();
   }
   if (compression.empty() || compression == "none") {
-    if (packed.size() != size) return damaged("the chunk has not the size told");
+    if (packed.size() != size) return damaged("the chunk has not the size stated");
     return std::vector<std::byte>(packed.begin(), packed.end());
   }
   return damaged("unknown compression '" + std::string(compression) + "'");

@@ -53,7 +53,7 @@ TEST(AnswerJudge, CountsAWrongAnswerAfterARightOne) {
   EXPECT_EQ(robot.judge.wrong(), 2U);
   ASSERT_TRUE(robot.judge.first() && robot.judge.first_wrong());
   EXPECT_TRUE(robot.judge.first()->correct);
-  EXPECT_EQ(robot.judge.first_wrong()->driven_m, 2.0);
+  EXPECT_EQ(robot.judge.first_wrong()->distance_traveled_m, 2.0);
   EXPECT_DOUBLE_EQ(robot.judge.first_wrong()->error.m, 0.8);
 }
 
@@ -125,7 +125,7 @@ TEST(AnswerJudge, FindsAnyWrongPoseLateNotOnlyTheFirst) {
   robot.localized(6.0, 2.0);
   EXPECT_EQ(robot.judge.withdrawal(), Withdrawal::kLate);
   EXPECT_EQ(robot.judge.longest_wrong_m(), 4.0);
-  EXPECT_EQ(robot.judge.first_wrong()->driven_m, 1.0);
+  EXPECT_EQ(robot.judge.first_wrong()->distance_traveled_m, 1.0);
 }
 
 TEST(AnswerJudge, JudgesAtTheNextKeyframeInALogThatHasThem) {

@@ -54,7 +54,7 @@ ScoredRobot robot_that_drifts(const LocalizationMapPtr& map, int silent_scans, d
 EvaluationOptions options_with(const ScoredRobot& robot) {
   EvaluationOptions options;
   options.batch = 1;
-  options.way_m = 5.0;
+  options.max_distance_m = 5.0;
   options.make_robot = [robot](const LogScan&) { return robot; };
   return options;
 }
@@ -80,7 +80,7 @@ TEST(Evaluate, AsksOnlyStartsThatCount) {
   ASSERT_EQ(records.size(), 15U);
   for (const StartRecord& record : records) {
     EXPECT_TRUE(record.counts);
-    EXPECT_GE(record.driven_m, 5.0);
+    EXPECT_GE(record.distance_traveled_m, 5.0);
   }
 }
 
@@ -103,9 +103,9 @@ TEST(Evaluate, CountsWrongAnswersLongAfterARightOne) {
   evaluation.records = evaluate(log, 0, {map}, 0, {Point2::Zero()}, options, nullptr);
   ASSERT_EQ(evaluation.records.size(), 1U);
   const StartRecord& record = evaluation.records.front();
-  EXPECT_EQ(record.verdict, Verdict::kFixed);
+  EXPECT_EQ(record.verdict, Verdict::kCorrect);
   ASSERT_TRUE(record.first_wrong);
-  EXPECT_EQ(record.first_wrong->driven_m, 7.0);
+  EXPECT_EQ(record.first_wrong->distance_traveled_m, 7.0);
   EXPECT_EQ(record.withdrawal, Withdrawal::kLate);
   EXPECT_EQ(record.answers_judged, record.wrong_answers + 5);
 
@@ -127,9 +127,9 @@ TEST(Evaluate, FollowsAWrongPoseUntilItIsWithdrawnOrThreeMetresAreDriven) {
   options.starts = 1;
   options.track_m = 0.0;
   const auto records = evaluate(log, 0, {map}, 0, {Point2::Zero()}, options, nullptr);
-  EXPECT_EQ(records.front().verdict, Verdict::kFalse);
+  EXPECT_EQ(records.front().verdict, Verdict::kWrong);
   EXPECT_EQ(records.front().withdrawal, Withdrawal::kLate);
-  EXPECT_EQ(records.front().driven_m, 6.0);
+  EXPECT_EQ(records.front().distance_traveled_m, 6.0);
 }
 
 }  // namespace

@@ -34,17 +34,17 @@ TEST(PredictedWay, IsThatOfTheStartsNearby) {
   LocalizabilityReport report;
   report.lattice_m = 2.0;
   report.places = {place_with({0, 0, 0}, 1.0), place_with({10, 0, 0}, 9.0)};
-  EXPECT_NEAR(predicted_way_m(report, {0.5, 0.0, 0.0}), 1.0, 1e-6);
-  EXPECT_NEAR(predicted_way_m(report, {9.0, 1.0, 0.3}), 9.0, 1e-6);
-  EXPECT_NEAR(predicted_way_m(report, {5.0, 0.0, 0.0}), 5.0, 1e-6);
+  EXPECT_NEAR(predicted_distance_m(report, {0.5, 0.0, 0.0}), 1.0, 1e-6);
+  EXPECT_NEAR(predicted_distance_m(report, {9.0, 1.0, 0.3}), 9.0, 1e-6);
+  EXPECT_NEAR(predicted_distance_m(report, {5.0, 0.0, 0.0}), 5.0, 1e-6);
 }
 
 TEST(PredictedWay, MindsWhereTheRobotLooks) {
   LocalizabilityReport report;
   report.lattice_m = 2.0;
   report.places = {place_with({0, 0, 0}, 1.0), place_with({0, 0, std::numbers::pi}, 9.0)};
-  EXPECT_LT(predicted_way_m(report, {0.0, 0.0, 0.2}), 1.1);
-  EXPECT_GT(predicted_way_m(report, {0.0, 0.0, -3.0}), 8.9);
+  EXPECT_LT(predicted_distance_m(report, {0.0, 0.0, 0.2}), 1.1);
+  EXPECT_GT(predicted_distance_m(report, {0.0, 0.0, -3.0}), 8.9);
 }
 
 }  // namespace
