@@ -30,6 +30,7 @@
 
 #include "clients/cpp/http_client.hpp"
 #include "clients/cpp/scan_json.hpp"
+#include "evaluation/metrics/percentile.hpp"
 #include "evaluation/simulation/run_simulator.hpp"
 #include "support/temporary_directory.hpp"
 
@@ -227,15 +228,8 @@ Robot run_robot(const LoadOptions& options, const FleetDrive& fleet, std::size_t
   return robot;
 }
 
-double percentile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, nth);
-  return *nth;
-}
-
-void print(const char* name, Tally tally) {
+void print(const char* name, const Tally& tally) {
+  using evaluation::percentile;
   std::printf("%-10s %8zu %7zu %6zu %9.1f %9.1f %9.1f %9.1f %9.1f\n", name,
               tally.latencies_ms.size(), tally.errors, tally.late,
               100.0 * static_cast<double>(tally.localized) /

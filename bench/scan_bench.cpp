@@ -17,6 +17,7 @@
 #include <cornerfix/map_image.hpp>
 
 #include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/metrics/percentile.hpp"
 #include "evaluation/simulation/run_simulator.hpp"
 
 namespace cornerfix::evaluation {
@@ -43,14 +44,6 @@ Runs simulate_runs() {
   return {
       map_from(mapping, mapping.scans.size(), {}),
       value_of(simulate_run(willow, {.beams = kBeams, .people = 3, .length_m = 200.0, .seed = 2}))};
-}
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, nth);
-  return *nth;
 }
 
 void count_times(benchmark::State& state, const std::string& name,

@@ -6,19 +6,21 @@
 #include <random>
 #include <utility>
 
-#include "bench/experiments/processor_time.hpp"
 #include "bench/rivals/amcl.hpp"
 #include "bench/rivals/branch_and_bound.hpp"
 #include "bench/rivals/correlative_search.hpp"
 #include "bench/rivals/published_rma.hpp"
 #include "bench/rivals/search_rival.hpp"
 #include "core/src/search/map_index.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
 #endif
 
 namespace cornerfix::bench {
 namespace {
+
+using evaluation::thread_ms;
 
 using Search = std::function<ScanSearch(const evaluation::LogScan& first)>;
 using MakeRival = std::function<std::unique_ptr<Rival>()>;

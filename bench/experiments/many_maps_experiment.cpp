@@ -13,10 +13,13 @@
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/statistics.hpp"
+#include "evaluation/metrics/percentile.hpp"
 
 namespace cornerfix::bench {
 namespace {
+
+using evaluation::mean;
+using evaluation::percentile;
 
 struct ManyMapsArguments {
   BuildingSource building;

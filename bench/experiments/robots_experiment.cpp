@@ -10,11 +10,15 @@
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/processor_time.hpp"
-#include "bench/experiments/statistics.hpp"
+#include "evaluation/metrics/percentile.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 
 namespace cornerfix::bench {
 namespace {
+
+using evaluation::mean;
+using evaluation::percentile;
+using evaluation::thread_ms;
 
 struct RobotsArguments {
   BuildingSource building;

@@ -18,8 +18,6 @@ namespace cornerfix::evaluation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRightMetres = 0.5;
-constexpr double kRightRadians = 5.0 * kPi / 180.0;
 constexpr std::uint64_t kSeeds[] = {11, 12, 13};
 
 const OccupancyGrid& building() {
@@ -81,9 +79,7 @@ Outcome outcome_of(const std::vector<Moment>& moments) {
     if (!answer.pose) continue;
     ++outcome.localized;
     const Pose2& pose = answer.pose->T_map_base_link;
-    const bool right = distance(pose, moment.T_map_base_link) <= kRightMetres &&
-                       angle_between(pose, moment.T_map_base_link) <= kRightRadians;
-    outcome.wrong += right ? 0 : 1;
+    outcome.wrong += is_correct(pose_error(pose, moment.T_map_base_link)) ? 0 : 1;
   }
   return outcome;
 }
