@@ -30,21 +30,12 @@ const std::string kPartlyKnown =
 
 using AddBatch = std::function<Result<client::MapGrowth>(std::span<const evaluation::LogScan>)>;
 
-std::vector<evaluation::LogScan> next_batch(evaluation::MappingScans& scans) {
-  std::vector<evaluation::LogScan> batch;
-  while (batch.size() < kScansPerBatch) {
-    std::optional<evaluation::LogScan> scan = scans.next();
-    if (!scan) break;
-    batch.push_back(std::move(*scan));
-  }
-  return batch;
-}
-
-/// Adds all scans, a batch after the other. Returns where the map stands in the end.
+/// Adds all scans, a batch after the other. Returns the sums and the state of the map in the end.
 Result<client::MapGrowth> add_in_batches(evaluation::MappingScans& scans, const AddBatch& add,
                                          Progress* progress) {
   client::MapGrowth total;
-  for (auto batch = next_batch(scans); !batch.empty(); batch = next_batch(scans)) {
+  for (auto batch = scans.next_batch(kScansPerBatch); !batch.empty();
+       batch = scans.next_batch(kScansPerBatch)) {
     Result<client::MapGrowth> growth = add(batch);
     if (!growth) return growth;
     growth->accepted += total.accepted;
@@ -98,22 +89,6 @@ Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& 
   return {};
 }
 
-std::vector<PosedScan> posed_scans(std::span<const evaluation::LogScan> scans) {
-  std::vector<PosedScan> posed;
-  posed.reserve(scans.size());
-  for (const evaluation::LogScan& scan : scans)
-    posed.push_back({client::as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
-  return posed;
-}
-
-std::vector<RobotScan> robot_scans(std::span<const evaluation::LogScan> scans) {
-  std::vector<RobotScan> robot;
-  robot.reserve(scans.size());
-  for (const evaluation::LogScan& scan : scans)
-    robot.push_back({client::as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
-  return robot;
-}
-
 Result<client::MapGrowth> growth_of(const Result<server::MapGrowthReport>& report) {
   if (!report) return report.error();
   return client::MapGrowth{report->accepted, report->duplicates, report->key_frames,
@@ -132,8 +107,8 @@ Result<client::MapGrowth> build_into_file(const MapBuildArguments& arguments,
       scans,
       [&](std::span<const evaluation::LogScan> batch) {
         return growth_of(arguments.scans.without_poses
-                             ? library.grow(arguments.name, robot_scans(batch))
-                             : library.grow(arguments.name, posed_scans(batch)));
+                             ? library.grow(arguments.name, client::robot_scans_as_sent(batch))
+                             : library.grow(arguments.name, client::posed_scans_as_sent(batch)));
       },
       &progress);
   if (!growth) return growth;

@@ -32,18 +32,6 @@ std::string plain_stem(const std::filesystem::path& path) {
   return name.substr(0, name.find('.'));
 }
 
-/// How the log came about, for those who find it later.
-std::string source_of(const SimulateArguments& arguments) {
-  const std::filesystem::path map = arguments.inside.empty() ? arguments.map : arguments.inside;
-  char text[256];
-  std::snprintf(text, sizeof text, "seed %llu, noise %g m, drift %g, people %d, boxes %d",
-                static_cast<unsigned long long>(arguments.run.seed), arguments.run.range_noise_m,
-                arguments.run.drift, arguments.run.people, arguments.run.boxes);
-  const std::string fault =
-      arguments.odometry_fault.empty() ? "" : ", odometry fault " + arguments.odometry_fault;
-  return "simulated run in " + map.filename().string() + ", " + text + fault;
-}
-
 Result<evaluation::RecordedLog> simulate(const SimulateArguments& arguments) {
   const Result<OccupancyGrid> map = read_map_files(arguments.map);
   if (!map) return map.error();
@@ -59,7 +47,8 @@ Result<evaluation::RecordedLog> simulate(const SimulateArguments& arguments) {
                                [&](double share) { progress.update(share); });
   if (!log) return log;
   log->header.name = arguments.name.empty() ? plain_stem(arguments.out) : arguments.name;
-  log->header.source = source_of(arguments);
+  const std::filesystem::path driven = arguments.inside.empty() ? arguments.map : arguments.inside;
+  log->header.source = evaluation::describe_run(driven.filename().string(), arguments.run);
   return log;
 }
 

@@ -52,6 +52,22 @@ LaserScan as_sent(LaserScan scan) {
   return scan;
 }
 
+std::vector<PosedScan> posed_scans_as_sent(std::span<const evaluation::LogScan> scans) {
+  std::vector<PosedScan> posed;
+  posed.reserve(scans.size());
+  for (const evaluation::LogScan& scan : scans)
+    posed.push_back({as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
+  return posed;
+}
+
+std::vector<RobotScan> robot_scans_as_sent(std::span<const evaluation::LogScan> scans) {
+  std::vector<RobotScan> robot;
+  robot.reserve(scans.size());
+  for (const evaluation::LogScan& scan : scans)
+    robot.push_back({as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
+  return robot;
+}
+
 nlohmann::ordered_json posed_scan_json(const evaluation::LogHeader& header,
                                        const evaluation::LogScan& scan) {
   nlohmann::ordered_json json = scan_json(header, scan.scan);

@@ -4,6 +4,10 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <vector>
+
+#include <cornerfix/laser_scan.hpp>
 
 #include "evaluation/datasets/log_reader.hpp"
 
@@ -14,6 +18,12 @@ namespace cornerfix::client {
 
 /// The scan as a server reads it from the JSON below: ranges in tenths of a millimetre.
 [[nodiscard]] LaserScan as_sent(LaserScan scan);
+/// At the reference poses, which all scans have.
+[[nodiscard]] std::vector<PosedScan> posed_scans_as_sent(
+    std::span<const evaluation::LogScan> scans);
+/// With odometry where there is any.
+[[nodiscard]] std::vector<RobotScan> robot_scans_as_sent(
+    std::span<const evaluation::LogScan> scans);
 /// With the scan's reference pose, for mapping; with its own geometry where that is not the log's.
 [[nodiscard]] nlohmann::ordered_json posed_scan_json(const evaluation::LogHeader& header,
                                                      const evaluation::LogScan& scan);

@@ -54,4 +54,14 @@ std::optional<LogScan> MappingScans::next() {
   return std::nullopt;
 }
 
+std::vector<LogScan> MappingScans::next_batch(std::size_t size) {
+  std::vector<LogScan> batch;
+  while (batch.size() < size) {
+    std::optional<LogScan> scan = next();
+    if (!scan) break;
+    batch.push_back(std::move(*scan));
+  }
+  return batch;
+}
+
 }  // namespace cornerfix::evaluation

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "evaluation/datasets/log_reader.hpp"
 #include "evaluation/datasets/log_survey.hpp"
@@ -30,6 +31,8 @@ class MappingScans {
                                                  const std::function<void(double)>& progress = {});
 
   [[nodiscard]] std::optional<LogScan> next();
+  /// The next `size` scans, fewer at the end.
+  [[nodiscard]] std::vector<LogScan> next_batch(std::size_t size);
   [[nodiscard]] const LogReader& log() const { return reader_; }
   /// Of the whole log, as in LogSurvey.
   [[nodiscard]] const std::string& remarks() const { return remarks_; }

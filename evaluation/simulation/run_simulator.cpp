@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 #include <span>
@@ -298,6 +299,17 @@ Result<RecordedLog> simulate_run(const OccupancyGrid& map, const RunOptions& opt
   log.scans = record(furnished, *path, options, on_progress);
   if (options.odometry_fault) corrupt_odometry(log, *options.odometry_fault, options.seed);
   return log;
+}
+
+std::string describe_run(const std::string& map_name, const RunOptions& options) {
+  char text[256];
+  std::snprintf(text, sizeof text, "seed %llu, noise %g m, drift %g, people %d, boxes %d",
+                static_cast<unsigned long long>(options.seed), options.range_noise_m, options.drift,
+                options.people, options.boxes);
+  std::string description = "simulated run in " + map_name + ", " + text;
+  if (options.odometry_fault)
+    description += ", odometry fault " + std::string(to_string(*options.odometry_fault));
+  return description;
 }
 
 }  // namespace cornerfix::evaluation

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <string>
 
 #include <cornerfix/occupancy_grid.hpp>
 #include <cornerfix/result.hpp>
@@ -44,5 +45,8 @@ struct RunOptions {
 [[nodiscard]] Result<RecordedLog> simulate_run(const OccupancyGrid& map, const RunOptions& options,
                                                const OccupancyGrid* inside = nullptr,
                                                const std::function<void(double)>& on_progress = {});
+
+/// How a log came about, for those who find it later: the map, the seed and what goes wrong.
+[[nodiscard]] std::string describe_run(const std::string& map_name, const RunOptions& options);
 
 }  // namespace cornerfix::evaluation
