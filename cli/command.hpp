@@ -25,6 +25,14 @@ int fail(const Error& error);
 /// Says on stderr what a person should know of `where`; nothing when there is nothing to say.
 void warn(const std::string& where, const std::string& what);
 
+/// Reads a log into memory, with a progress bar and with warnings. An error as well when most of
+/// its scans cannot be used. \param stride  n keeps every n-th scan, from the first.
+[[nodiscard]] Result<evaluation::RecordedLog> read_whole_log(
+    const std::string& path, const evaluation::LogSelection& selection, std::size_t stride = 1);
+
+/// Whole or not at all: what was there stays until the last byte is written.
+[[nodiscard]] Result<void> write_file(const std::string& path, const std::string& bytes);
+
 /// LOG, a recorded run: a file or the directory of a bag.
 CLI::Option* add_log(CLI::App& command, std::string& log);
 

@@ -9,7 +9,6 @@
 
 #include "cli/command.hpp"
 #include "cli/progress.hpp"
-#include "cli/whole_log.hpp"
 #include "evaluation/metrics/evaluation_files.hpp"
 #include "evaluation/metrics/evaluation_report.hpp"
 #include "evaluation/metrics/evaluation_task.hpp"

@@ -5,7 +5,6 @@
 #include "cli/command.hpp"
 #include "cli/server_options.hpp"
 #include "cli/table.hpp"
-#include "cli/whole_log.hpp"
 #include "clients/cpp/fleet_report.hpp"
 
 namespace cornerfix::cli {

@@ -1,7 +1,6 @@
-#include "cli/map_build.hpp"
-
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -10,15 +9,26 @@
 
 #include "api/requests.hpp"
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/server_options.hpp"
 #include "clients/cpp/map_upload.hpp"
 #include "clients/cpp/scan_json.hpp"
+#include "evaluation/datasets/mapping_scans.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
+
+struct MapBuildArguments {
+  client::ConnectionOptions connection;
+  std::string database;  ///< Where to write instead of asking a server; empty for the server.
+  std::string name;
+  std::string log;
+  evaluation::MappingScanOptions scans;
+};
 
 constexpr std::size_t kScansPerBatch = 50;
 const std::string kNothingNew =
@@ -129,8 +139,6 @@ Result<evaluation::MappingScans> open_mapping_scans(const MapBuildArguments& arg
                                         [&](double share) { progress.update(share); });
 }
 
-}  // namespace
-
 int run_map_build(const MapBuildArguments& arguments) {
   Result<evaluation::MappingScans> scans = open_mapping_scans(arguments);
   if (!scans) return fail(scans.error());
@@ -145,10 +153,42 @@ int run_map_build(const MapBuildArguments& arguments) {
   } else if (growth->duplicates > 0) {
     warn(arguments.log, std::to_string(growth->duplicates) + kPartlyKnown);
   }
-  std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
+  std::printf("%s: %zu scans (%zu there already), %zu keyframes, %zu features, revision %llu\n",
               arguments.name.c_str(), scans->count(), growth->duplicates, growth->keyframes,
               growth->features, static_cast<unsigned long long>(growth->revision));
   return kDone;
+}
+
+}  // namespace
+
+void add_map_build_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapBuildArguments>();
+  CLI::App* command = map.add_subcommand("build", "Make a map from a log, or update a map by it");
+  command->footer(
+      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS "
+      "1\n"
+      "or 2 (.bag, .mcap, .db3). Its poses must be corrected ones: of CARMEN those of the laser, "
+      "of\n"
+      "bags those that tf knows in the frame map. Where a log marks key scans, only those make "
+      "the\n"
+      "map. With --slam all scans do, and their poses are found. Scans that the map has already "
+      "are\n"
+      "skipped, so the same log may be sent again. A later drive in the map's building and frame\n"
+      "updates it: where that drive looked, what is gone leaves the map.");
+  add_map_name(*command, arguments->name);
+  add_log(*command, arguments->log);
+  command->add_option("--split", arguments->scans.split, "Use this first share of the log only")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
+      ->check(above_zero())
+      ->capture_default_str();
+  command->add_flag("--slam", arguments->scans.without_poses,
+                    "Find the poses from scans and odometry instead of taking the log's");
+  add_selection(*command, arguments->scans.selection);
+  add_connection_options(*command, arguments->connection);
+  add_database_option(*command, arguments->database);
+  command->callback([arguments, &exit_code] { exit_code = run_map_build(*arguments); });
 }
 
 }  // namespace cornerfix::cli

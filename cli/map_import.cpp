@@ -1,12 +1,13 @@
-#include "cli/map_import.hpp"
-
 #include <cornerfix/map_image.hpp>
 
 #include <cstdio>
+#include <memory>
 #include <span>
 #include <utility>
 
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
+#include "cli/server_options.hpp"
 #include "clients/cpp/map_upload.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
@@ -14,6 +15,13 @@
 namespace cornerfix::cli {
 
 namespace {
+
+struct MapImportArguments {
+  client::ConnectionOptions connection;
+  std::string database;  ///< Where to write instead of asking a server; empty for the server.
+  std::string name;
+  std::string yaml;
+};
 
 Result<client::ImportedMap> import_over_http(const MapImportArguments& arguments, MapFiles files) {
   Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
@@ -38,8 +46,6 @@ Result<client::ImportedMap> import_into_file(const MapImportArguments& arguments
                              std::move(report->warnings)};
 }
 
-}  // namespace
-
 int run_map_import(const MapImportArguments& arguments) {
   Result<MapFiles> files = load_map_files(arguments.yaml);
   if (!files) return fail(files.error());
@@ -54,6 +60,25 @@ int run_map_import(const MapImportArguments& arguments) {
   std::printf("%s: %zu features, revision %llu\n", arguments.name.c_str(), imported->features,
               static_cast<unsigned long long>(imported->revision));
   return kDone;
+}
+
+}  // namespace
+
+void add_map_import_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapImportArguments>();
+  CLI::App* command =
+      map.add_subcommand("import", "Make a map from a ROS floor map alone, without any scan");
+  command->footer(
+      "A floor map is a yaml and a pgm or png as ROS map_server has them. Features come from "
+      "virtual\nscans in its free space. Imported again, a floor map replaces the one that the map "
+      "was made from.");
+  add_map_name(*command, arguments->name);
+  command->add_option("YAML", arguments->yaml, "The floor map's yaml; its image lies beside it")
+      ->required()
+      ->check(CLI::ExistingFile);
+  add_connection_options(*command, arguments->connection);
+  add_database_option(*command, arguments->database);
+  command->callback([arguments, &exit_code] { exit_code = run_map_import(*arguments); });
 }
 
 }  // namespace cornerfix::cli

@@ -1,20 +1,26 @@
-#include "cli/map_report.hpp"
-
 #include <chrono>
 #include <cstdio>
-#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/server_options.hpp"
 #include "cli/table.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
+
+struct MapReportArguments {
+  client::ConnectionOptions connection;
+  std::string name;
+  std::string picture;  ///< SVG to write; empty for none.
+};
 
 constexpr std::size_t kMaxRows = 10;
 constexpr std::chrono::milliseconds kPause{300};
@@ -45,7 +51,7 @@ Result<nlohmann::json> wait_for_report(client::ServerConnection& server, const s
 
 void print_areas(const nlohmann::json& areas) {
   std::vector<std::vector<std::string>> rows = {
-      {"HARD AREA", "RADIUS", "WAY", "FOUND", "LOOKS LIKE", "BETTER START"}};
+      {"REGION", "RADIUS", "DISTANCE", "LOCALIZED", "ALIASED WITH", "BETTER START"}};
   for (const auto& area : areas) {
     if (rows.size() > kMaxRows) break;
     rows.push_back({place_text(area), text("%.1f m", area.value("radius_m", 0.0)),
@@ -73,14 +79,8 @@ Result<void> write_picture(client::ServerConnection& server, const std::string& 
   const Result<std::string> svg = server.fetch(request);
   if (!svg) return svg.error();
   if (server.is_printing()) return {};
-  std::ofstream file(file_path, std::ios::binary);
-  file.write(svg->data(), static_cast<std::streamsize>(svg->size()));
-  file.close();
-  if (!file) return Error{ErrorCode::kUnavailable, "cannot be written", file_path};
-  return {};
+  return write_file(file_path, *svg);
 }
-
-}  // namespace
 
 int run_map_report(const MapReportArguments& arguments) {
   Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
@@ -93,6 +93,21 @@ int run_map_report(const MapReportArguments& arguments) {
   if (arguments.picture.empty()) return kDone;
   const Result<void> written = write_picture(*server, path, arguments.picture);
   return written ? kDone : fail(written.error());
+}
+
+}  // namespace
+
+void add_map_report_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapReportArguments>();
+  CLI::App* command = map.add_subcommand(
+      "report", "Tell where robots will find themselves in a map, and where not");
+  command->footer(
+      "Simulated robots are switched on all over the map's free space and drive until they are\n"
+      "told their pose. They have the map's lidar, or half a turn with 30 m of reach.");
+  add_map_name(*command, arguments->name);
+  command->add_option("--picture", arguments->picture, "Draw it into this file (SVG)");
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, &exit_code] { exit_code = run_map_report(*arguments); });
 }
 
 }  // namespace cornerfix::cli

@@ -5,7 +5,6 @@
 
 #include "cli/command.hpp"
 #include "cli/progress.hpp"
-#include "cli/whole_log.hpp"
 #include "evaluation/metrics/slam_report.hpp"
 
 namespace cornerfix::cli {

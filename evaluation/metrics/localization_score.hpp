@@ -68,8 +68,8 @@ struct StartRecord {
   double distance_traveled_m = 0.0;
   std::optional<double> localized_after_m;  ///< Path length.
   std::optional<double> localized_after_s;
-  .double confidence = 0.0;  ///< When localized.
-  double error_m = 0.0;      ///< When localized.
+  double confidence = 0.0;  ///< When localized.
+  double error_m = 0.0;     ///< When localized.
   double error_rad = 0.0;
   Pose2 pose;  ///< Of the laser, when localized, as answered and as it was.
   Pose2 truth;
