@@ -19,10 +19,10 @@ constexpr int kWrongUse = 2;
 /// RFC 3339 in UTC.
 std::string utc_now_text();
 
-/// Says on stderr why something could not be done; returns kCouldNot.
+/// Prints on stderr why something could not be done; returns kCouldNot.
 int fail(const Error& error);
 
-/// Says on stderr what a person should know of `where`; nothing when there is nothing to say.
+/// Prints a warning about `where` on stderr, unless `what` is empty.
 void warn(const std::string& where, const std::string& what);
 
 /// Reads a log into memory, with a progress bar and with warnings. An error as well when most of

@@ -165,16 +165,13 @@ void add_map_build_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapBuildArguments>();
   CLI::App* command = map.add_subcommand("build", "Make a map from a log, or update a map by it");
   command->footer(
-      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS "
-      "1\n"
-      "or 2 (.bag, .mcap, .db3). Its poses must be corrected ones: of CARMEN those of the laser, "
-      "of\n"
-      "bags those that tf knows in the frame map. Where a log marks key scans, only those make "
-      "the\n"
-      "map. With --slam all scans do, and their poses are found. Scans that the map has already "
-      "are\n"
-      "skipped, so the same log may be sent again. A later drive in the map's building and frame\n"
-      "updates it: where that drive looked, what is gone leaves the map.");
+      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS\n"
+      "1 or 2 (.bag, .mcap, .db3). Its poses must be corrected ones: in CARMEN logs those of the\n"
+      "laser, in bags those of tf in the frame map. If a log marks key scans, only those make the\n"
+      "map. With --slam all scans do, and their poses are found. Scans that the map holds already\n"
+      "are skipped, so the same log may be sent again. A later run in the map's building and "
+      "frame\n"
+      "updates it: what is gone from the area that this run saw leaves the map.");
   add_map_name(*command, arguments->name);
   add_log(*command, arguments->log);
   command->add_option("--split", arguments->scans.split, "Use this first share of the log only")

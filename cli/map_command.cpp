@@ -112,7 +112,7 @@ void add_map_command(CLI::App& app, int& exit_code) {
   add_map_export_command(*map, exit_code);
   add_map_restore_command(*map, exit_code);
   add_list_command(*map, exit_code);
-  add_named_command(*map, "show", "Show what the server knows of a map", show_map, exit_code);
+  add_named_command(*map, "show", "Show the properties of a map", show_map, exit_code);
   add_map_report_command(*map, exit_code);
   add_named_command(*map, "delete", "Delete a map", delete_map, exit_code);
 }

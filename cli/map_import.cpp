@@ -67,13 +67,14 @@ int run_map_import(const MapImportArguments& arguments) {
 void add_map_import_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapImportArguments>();
   CLI::App* command =
-      map.add_subcommand("import", "Make a map from a ROS floor map alone, without any scan");
+      map.add_subcommand("import", "Make a map from a ROS occupancy map alone, without any scan");
   command->footer(
-      "A floor map is a yaml and a pgm or png as ROS map_server has them. Features come from "
-      "virtual\nscans in its free space. Imported again, a floor map replaces the one that the map "
-      "was made from.");
+      "An occupancy map is a yaml and a pgm or png as ROS map_server has them. Features come from\n"
+      "simulated scans in its free space. Imported again, an occupancy map replaces the one that\n"
+      "the map was made from.");
   add_map_name(*command, arguments->name);
-  command->add_option("YAML", arguments->yaml, "The floor map's yaml; its image lies beside it")
+  command
+      ->add_option("YAML", arguments->yaml, "Yaml of the occupancy map; its image lies beside it")
       ->required()
       ->check(CLI::ExistingFile);
   add_connection_options(*command, arguments->connection);

@@ -99,11 +99,11 @@ int run_map_report(const MapReportArguments& arguments) {
 
 void add_map_report_command(CLI::App& map, int& exit_code) {
   auto arguments = std::make_shared<MapReportArguments>();
-  CLI::App* command = map.add_subcommand(
-      "report", "Tell where robots will find themselves in a map, and where not");
+  CLI::App* command =
+      map.add_subcommand("report", "Show where robots are localized in a map, and where not");
   command->footer(
       "Simulated robots are switched on all over the map's free space and drive until they are\n"
-      "told their pose. They have the map's lidar, or half a turn with 30 m of reach.");
+      "localized. They have the map's lidar, or one of 180 deg with a range of 30 m.");
   add_map_name(*command, arguments->name);
   command->add_option("--picture", arguments->picture, "Draw it into this file (SVG)");
   add_connection_options(*command, arguments->connection);

@@ -50,10 +50,10 @@ std::string reason_text(const nlohmann::json& answer) {
   const auto reason = answer.find("reason");
   std::string text =
       reason != answer.end() && reason->is_string() ? reason->get<std::string>() : "";
-  const std::size_t places = answer.value("hypotheses", nlohmann::json::array()).size();
-  if (answer.value("status", "") == "ambiguous" && places > 0) {
+  const std::size_t poses = answer.value("hypotheses", nlohmann::json::array()).size();
+  if (answer.value("status", "") == "ambiguous" && poses > 0) {
     if (!text.empty()) text += ", ";
-    text += std::to_string(places) + " places";
+    text += std::to_string(poses) + " poses";
   }
   return text;
 }

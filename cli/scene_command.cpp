@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "cli/command.hpp"
 #include "evaluation/simulation/scene_files.hpp"
@@ -20,13 +19,6 @@ struct SceneArguments {
   std::uint64_t layout_seed = 1;
   std::uint64_t change_seed = 1;
 };
-
-std::vector<std::string> kind_names() {
-  std::vector<std::string> names;
-  for (const evaluation::SceneKind kind : evaluation::all_scene_kinds())
-    names.emplace_back(to_string(kind));
-  return names;
-}
 
 int run_scene(const SceneArguments& arguments) {
   const auto kind = evaluation::scene_kind_from_string(arguments.kind);
@@ -50,7 +42,7 @@ void add_scene_command(CLI::App& app, int& exit_code) {
   command->option_defaults()->always_capture_default();
   command->add_option("KIND", arguments->kind, "What to generate")
       ->required()
-      ->check(CLI::IsMember(kind_names()))
+      ->check(CLI::IsMember(evaluation::scene_kind_names()))
       ->capture_default_str();
   command->add_option("OUT", arguments->out, "Writes OUT.yaml and OUT.png")->required();
   command->add_option("--layout-seed", arguments->layout_seed,

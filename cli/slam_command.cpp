@@ -37,10 +37,10 @@ void add_slam_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "slam", "Find the trajectory of a log without its poses, and score it against them");
   command->footer(
-      "Prints the error of relative poses (Kuemmerle et al. 2009) between reference poses 2 m and\n"
-      "20 m of path apart. Prints as well the error between registered scans of one place, 20 m "
-      "of\n"
-      "path or more apart, for the trajectory that was found and for the reference poses.");
+      "Prints the errors of relative poses (Kuemmerle et al. 2009) over 2 m and 20 m of path, and\n"
+      "those between registered scans of one place that are 20 m of path or more apart. The "
+      "latter\n"
+      "are of the trajectory that was found and of the reference poses.");
   add_log(*command, arguments->log);
   add_selection(*command, arguments->selection);
   command->add_flag("--no-odom", arguments->no_odometry, "Use the scans alone");
