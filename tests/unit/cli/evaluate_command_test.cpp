@@ -60,7 +60,7 @@ class EvaluateCommand : public ::testing::Test {
 
 testing::TemporaryDirectory* EvaluateCommand::directory_ = nullptr;
 
-TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
+TEST_F(EvaluateCommand, PrintsAllFiguresOfTheReplayToolByTheirNames) {
   const Outcome outcome =
       run({"evaluate", path("map.jsonl"), "--starts", "3", "--way", "5", "--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -177,7 +177,7 @@ TEST_F(EvaluateCommand, MakesTheMapWithoutPoses) {
   EXPECT_GT(summary["fixed"], 0) << outcome.out;
 }
 
-TEST_F(EvaluateCommand, CountsStartsOutsideOfAFloorMapApart) {
+TEST_F(EvaluateCommand, CountsStartsOutsideOfAnOccupancyMapApart) {
   const auto starts_in = [](const std::string& yaml) {
     const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--map-grid", yaml, "--starts", "3",
                                  "--way", "1", "--track", "0"});
@@ -355,7 +355,7 @@ TEST_F(EvaluateCommand, WarnsWhenNoStartHasEnoughLogAhead) {
   EXPECT_THAT(outcome.err, HasSubstr("no start counts"));
 }
 
-TEST_F(EvaluateCommand, TellsHowManyBrokenRecordsItLeftOut) {
+TEST_F(EvaluateCommand, PrintsHowManyBrokenRecordsItLeftOut) {
   std::ifstream log(path("ask.jsonl"));
   const std::string text((std::istreambuf_iterator<char>(log)), std::istreambuf_iterator<char>());
   const std::string broken = directory_->write("broken.jsonl", text + "oops\n").string();

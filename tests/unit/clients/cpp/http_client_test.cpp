@@ -47,7 +47,7 @@ TEST(HttpClient, BeginsEveryPathWithThatOfTheServer) {
   EXPECT_EQ(server.requests()[0].path, "/robots/v1/maps/a");
 }
 
-TEST(HttpClient, TellsWhatAProblemDocumentSays) {
+TEST(HttpClient, ReportsTheDetailOfAProblemDocument) {
   testing::FakeServer server([](const testing::FakeRequest&) {
     return testing::FakeAnswer{422, R"({"title": "Invalid", "detail": "two fields are wrong",
         "errors": [{"pointer": "/scans/3/ranges", "detail": "empty"}]})"};

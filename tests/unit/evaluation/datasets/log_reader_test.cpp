@@ -101,7 +101,7 @@ TEST_F(LogReading, KeepsWhatATruncatedGzipHoldsAndSaysWhereItEnds) {
   EXPECT_THAT(fault.where, HasSubstr("line " + std::to_string(scans + 2) + ", byte "));
 }
 
-TEST_F(LogReading, LeavesBrokenLinesOutAndTellsWhereTheyAre) {
+TEST_F(LogReading, LeavesBrokenLinesOutAndReportsWhereTheyAre) {
   const std::string good0 = R"({"t": 0, "ranges": [1, 1, 1]})"
                             "\n";
   const std::string good2 = R"({"t": 2, "ranges": [1, 1, 1]})"
@@ -263,7 +263,7 @@ TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
   EXPECT_THAT(log.error().message, HasSubstr("line 1, byte 0: header: range_max"));
 }
 
-TEST_F(LogReading, RefusesFilesThatHoldNoDrive) {
+TEST_F(LogReading, RefusesFilesThatHoldNoRun) {
   EXPECT_EQ(read_log(directory_.write("a.jsonl", kHeader)).error().message, "holds no scan");
   EXPECT_EQ(read_log(directory_.write("a.bag", "nonsense")).error().code,
             ErrorCode::kInvalidArgument);
@@ -298,7 +298,7 @@ TEST_F(LogReading, GivesAnOddNumberOfCarmenBeamsBothEndsOfTheHalfTurn) {
   EXPECT_NEAR(log->scans[0].scan.bearing(2), std::numbers::pi / 2.0, 1e-12);
 }
 
-TEST_F(LogReading, LeavesABrokenCarmenMessageOutAndTellsWhereItIs) {
+TEST_F(LogReading, LeavesABrokenCarmenMessageOutAndReportsWhereItIs) {
   auto reader = LogReader::open(
       directory_.write("drive.gfs",
                        "# start\nFLASER 3 1 2 3 0 0 0 0 0 0 1.0 host 1.0\nFLASER 3 1 2\n"
@@ -437,7 +437,7 @@ TEST_F(LogReading, LeavesCarmenScansOutThatNoLidarTakes) {
   EXPECT_THAT(log.error().message, HasSubstr("cover more than a full turn"));
 }
 
-TEST_F(LogReading, TellsTextLogsByTheirFirstLine) {
+TEST_F(LogReading, DetectsTextLogsByTheirFirstLine) {
   EXPECT_TRUE(
       read_log(directory_.write("a.txt", std::string(kHeader) + R"({"t": 0, "ranges": [1, 1, 1]})"))
           .ok());

@@ -65,7 +65,7 @@ TEST(AnswerJudge, HoldsAHeadingOfMoreThanFiveDegreesForWrong) {
   EXPECT_EQ(robot.judge.wrong(), 1U);
 }
 
-TEST(AnswerJudge, HoldsEveryAnswerForWrongWhenNoMapHoldsThePlace) {
+TEST(AnswerJudge, CountsEveryAnswerAsWrongWhenNoMapHoldsTheSurroundings) {
   const LocalizationMapPtr map = empty_map();
   AnswerJudge judge(nullptr);
   Answer answer;

@@ -30,7 +30,7 @@ AssessedPlace place_with(const Pose2& T_map_start, double way_m) {
   return {T_map_start.translation(), 0, {start}};
 }
 
-TEST(PredictedWay, IsThatOfTheStartsNearby) {
+TEST(PredictedDistance, IsThatOfTheStartsNearby) {
   LocalizabilityReport report;
   report.lattice_m = 2.0;
   report.places = {place_with({0, 0, 0}, 1.0), place_with({10, 0, 0}, 9.0)};
@@ -39,7 +39,7 @@ TEST(PredictedWay, IsThatOfTheStartsNearby) {
   EXPECT_NEAR(predicted_distance_m(report, {5.0, 0.0, 0.0}), 5.0, 1e-6);
 }
 
-TEST(PredictedWay, MindsWhereTheRobotLooks) {
+TEST(PredictedDistance, MindsWhereTheRobotLooks) {
   LocalizabilityReport report;
   report.lattice_m = 2.0;
   report.places = {place_with({0, 0, 0}, 1.0), place_with({0, 0, std::numbers::pi}, 9.0)};

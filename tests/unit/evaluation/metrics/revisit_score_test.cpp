@@ -84,7 +84,7 @@ TEST(RevisitScore, JudgesEveryTrajectoryInItsOwnFrame) {
   EXPECT_THAT(score.errors[1].errors_m, Each(Lt(0.003)));
 }
 
-TEST(RevisitScore, CountsPairsThatTellNothing) {
+TEST(RevisitScore, CountsUndecidedPairs) {
   Rounds rounds;
   for (LogScan& scan : rounds.scans) scan.scan.ranges.assign(360, 0.0F);
   const RevisitScore score = rounds.score({rounds.poses});
@@ -92,7 +92,7 @@ TEST(RevisitScore, CountsPairsThatTellNothing) {
   EXPECT_GT(score.undecided, 25U);
 }
 
-TEST(RevisitScore, HasNothingToSayOfADriveThatNeverComesBack) {
+TEST(RevisitScore, HasNoPairsInARunThatNeverComesBack) {
   Rounds rounds;
   for (const std::size_t scans : {31U, 0U}) {  // once around is 13 m
     rounds.indices.resize(scans);

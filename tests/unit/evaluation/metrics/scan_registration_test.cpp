@@ -46,14 +46,14 @@ TEST(ScanRegistration, BearsNoise) {
   EXPECT_THAT(found->T_a_b, IsPoseNear(T_here_there, 0.01, 0.005));
 }
 
-TEST(ScanRegistration, TellsNothingAlongABareCorridor) {
+TEST(ScanRegistration, GivesNothingAlongABareCorridor) {
   const SceneBuilder corridor = SceneBuilder().room({-100, 0}, {100, 2});
   const LaserScan here = simulate_scan(corridor, kLidar, {0, 1, 0});
   const LaserScan there = simulate_scan(corridor, kLidar, {0.5, 1, 0});
   EXPECT_FALSE(register_scans(here, there, {0.5, 0, 0}));
 }
 
-TEST(ScanRegistration, TellsNothingInARoundHall) {
+TEST(ScanRegistration, GivesNothingInARoundHall) {
   std::vector<Point2> circle;
   for (int i = 0; i < 180; ++i) {
     const double angle = i * std::numbers::pi / 90.0;
@@ -65,7 +65,7 @@ TEST(ScanRegistration, TellsNothingInARoundHall) {
   EXPECT_FALSE(register_scans(here, there, {-0.3, 0.2, 0.5}));
 }
 
-TEST(ScanRegistration, TellsNothingOfScansThatShareNoWalls) {
+TEST(ScanRegistration, GivesNothingForScansThatShareNoWalls) {
   const LaserScan here = simulate_scan(figure7_room(), kLidar, kHere);
   LaserScan there = simulate_scan(SceneBuilder().room({0, 0}, {1.4, 1.4}), kLidar, {0.7, 0.7, 0});
   EXPECT_FALSE(register_scans(here, there, {}));

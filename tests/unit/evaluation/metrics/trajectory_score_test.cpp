@@ -44,7 +44,7 @@ TEST(TrajectoryScore, CountsAMistakeInTheRelationsAcrossItOnly) {
     EXPECT_NEAR(error.errors_m[i], i == 9 ? 0.3 : 0.0, 1e-9) << i;
 }
 
-TEST(TrajectoryScore, TellsTurnsApartFromShifts) {
+TEST(TrajectoryScore, DistinguishesTurnsFromShifts) {
   const std::vector<LogScan> scans = arc();
   std::vector<Pose2> poses = poses_of(scans, {});
   poses[20].yaw += 0.2;
@@ -60,7 +60,7 @@ TEST(TrajectoryScore, JudgesByKeyScansWhereALogMarksThem) {
   EXPECT_EQ(reference_scans(scans), (std::vector<std::size_t>{0, 20}));
 }
 
-TEST(TrajectoryScore, HasNoRelationsLongerThanTheWay) {
+TEST(TrajectoryScore, HasNoRelationsLongerThanThePath) {
   const std::vector<LogScan> scans = arc();
   EXPECT_TRUE(relative_pose_error(scans, poses_of(scans, {}), 50.0).errors_m.empty());
 }

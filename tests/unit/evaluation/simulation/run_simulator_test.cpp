@@ -51,7 +51,7 @@ OccupancyGrid two_rooms() {
   return grid;
 }
 
-RunOptions quiet_drive() {
+RunOptions quiet_run() {
   RunOptions options;
   options.beams = 31;
   options.length_m = 15.0;
@@ -60,8 +60,8 @@ RunOptions quiet_drive() {
   return options;
 }
 
-RecordedLog drive(const OccupancyGrid& grid, const RunOptions& options,
-                  const OccupancyGrid* inside = nullptr) {
+RecordedLog simulated(const OccupancyGrid& grid, const RunOptions& options,
+                      const OccupancyGrid* inside = nullptr) {
   Result<RecordedLog> log = simulate_run(grid, options, inside);
   EXPECT_TRUE(log.ok()) << (log.ok() ? "" : log.error().message);
   return log.ok() ? std::move(*log) : RecordedLog{};
@@ -85,21 +85,21 @@ bool same_poses(const RecordedLog& a, const RecordedLog& b) {
                     });
 }
 
-TEST(DriveSimulator, GivesTheSameLogForTheSameSeed) {
-  RunOptions options = quiet_drive();
+TEST(RunSimulator, GivesTheSameLogForTheSameSeed) {
+  RunOptions options = quiet_run();
   options.range_noise_m = 0.02;
   options.drift = 0.02;
   options.people = 2;
   options.boxes = 2;
-  const RecordedLog first = drive(two_rooms(), options);
-  const RecordedLog second = drive(two_rooms(), options);
+  const RecordedLog first = simulated(two_rooms(), options);
+  const RecordedLog second = simulated(two_rooms(), options);
   EXPECT_TRUE(same_poses(first, second));
   EXPECT_TRUE(same_scans(first, second));
   options.seed = 2;
-  EXPECT_FALSE(same_poses(first, drive(two_rooms(), options)));
+  EXPECT_FALSE(same_poses(first, simulated(two_rooms(), options)));
 }
 
-TEST(DriveSimulator, StampsBeginWhereTheyAreTold) {
+TEST(RunSimulator, StampsBeginAtTheGivenStart) {
   const auto log = simulate_run(box_room(), {.beams = 11, .length_m = 1.0, .start_s = 86400.0});
   ASSERT_TRUE(log);
   EXPECT_EQ(log->scans[0].scan.stamp, 86400.0);
@@ -107,8 +107,8 @@ TEST(DriveSimulator, StampsBeginWhereTheyAreTold) {
   EXPECT_FALSE(simulate_run(box_room(), {.start_s = std::nan("")}));
 }
 
-TEST(DriveSimulator, MeasuresABoxRoomAsGeometryDoes) {
-  for (const LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
+TEST(RunSimulator, MeasuresABoxRoomAsGeometryDoes) {
+  for (const LogScan& recorded : simulated(box_room(), quiet_run()).scans) {
     const Pose2& pose = *recorded.T_map_laser;
     for (std::size_t beam = 0; beam < recorded.scan.ranges.size(); ++beam) {
       if (!recorded.scan.has_return(beam)) continue;  // A few are dropped on purpose.
@@ -121,10 +121,10 @@ TEST(DriveSimulator, MeasuresABoxRoomAsGeometryDoes) {
   }
 }
 
-TEST(DriveSimulator, LosesFewBeamsInAClosedRoom) {
+TEST(RunSimulator, LosesFewBeamsInAClosedRoom) {
   std::size_t returns = 0;
   std::size_t beams = 0;
-  for (const LogScan& recorded : drive(box_room(), quiet_drive()).scans) {
+  for (const LogScan& recorded : simulated(box_room(), quiet_run()).scans) {
     for (std::size_t beam = 0; beam < recorded.scan.ranges.size(); ++beam, ++beams) {
       if (recorded.scan.has_return(beam)) ++returns;
     }
@@ -132,9 +132,9 @@ TEST(DriveSimulator, LosesFewBeamsInAClosedRoom) {
   EXPECT_GT(static_cast<double>(returns), 0.99 * static_cast<double>(beams));
 }
 
-TEST(DriveSimulator, DrivesTheLengthInSteps) {
-  const RunOptions options = quiet_drive();
-  const RecordedLog log = drive(two_rooms(), options);
+TEST(RunSimulator, DrivesTheLengthInSteps) {
+  const RunOptions options = quiet_run();
+  const RecordedLog log = simulated(two_rooms(), options);
   double length = 0.0;
   for (std::size_t i = 1; i < log.scans.size(); ++i) {
     const Pose2& last = *log.scans[i - 1].T_map_laser;
@@ -147,14 +147,14 @@ TEST(DriveSimulator, DrivesTheLengthInSteps) {
   EXPECT_NEAR(length, options.length_m, 1.0);
 }
 
-TEST(DriveSimulator, NeverDrivesThroughWalls) {
+TEST(RunSimulator, NeverDrivesThroughWalls) {
   const OccupancyGrid grid = two_rooms();
-  RunOptions options = quiet_drive();
+  RunOptions options = quiet_run();
   options.beams = 2;
   options.length_m = 100.0;
   bool was_left = false;
   bool was_right = false;
-  for (const LogScan& recorded : drive(grid, options).scans) {
+  for (const LogScan& recorded : simulated(grid, options).scans) {
     const Point2 position = recorded.T_map_laser->translation();
     was_left = was_left || position.x() < 5.0;
     was_right = was_right || position.x() > 7.0;
@@ -167,11 +167,11 @@ TEST(DriveSimulator, NeverDrivesThroughWalls) {
   EXPECT_TRUE(was_left && was_right);  // Through the door, then.
 }
 
-TEST(DriveSimulator, VisitsAllOfTheBuilding) {
-  RunOptions options = quiet_drive();
+TEST(RunSimulator, VisitsAllOfTheBuilding) {
+  RunOptions options = quiet_run();
   options.beams = 2;
   options.length_m = 120.0;
-  const RecordedLog log = drive(two_rooms(), options);
+  const RecordedLog log = simulated(two_rooms(), options);
   for (double x = 1.0; x < kWidth; x += 2.0) {
     for (double y = 1.0; y < kHeight; y += 2.0) {
       EXPECT_TRUE(std::any_of(log.scans.begin(), log.scans.end(),
@@ -183,39 +183,39 @@ TEST(DriveSimulator, VisitsAllOfTheBuilding) {
   }
 }
 
-TEST(DriveSimulator, KeepsPerfectOdometryWithoutDrift) {
-  const RecordedLog log = drive(two_rooms(), quiet_drive());
+TEST(RunSimulator, KeepsPerfectOdometryWithoutDrift) {
+  const RecordedLog log = simulated(two_rooms(), quiet_run());
   const Pose2 T_map_odom = *log.scans.front().T_map_laser;
   for (const LogScan& recorded : log.scans) {
     EXPECT_LT(distance(T_map_odom * *recorded.T_odom_laser, *recorded.T_map_laser), 1e-6);
   }
 }
 
-TEST(DriveSimulator, DriftLeavesPosesAndScansAsTheyWere) {
-  const RecordedLog straight = drive(two_rooms(), quiet_drive());
-  RunOptions options = quiet_drive();
+TEST(RunSimulator, DriftLeavesPosesAndScansAsTheyWere) {
+  const RecordedLog straight = simulated(two_rooms(), quiet_run());
+  RunOptions options = quiet_run();
   options.drift = 0.05;
-  const RecordedLog drifting = drive(two_rooms(), options);
+  const RecordedLog drifting = simulated(two_rooms(), options);
   EXPECT_TRUE(same_scans(straight, drifting));
   EXPECT_EQ(straight.scans.back().T_map_laser, drifting.scans.back().T_map_laser);
   EXPECT_GT(distance(*straight.scans.back().T_odom_laser, *drifting.scans.back().T_odom_laser),
             0.05);
 }
 
-TEST(DriveSimulator, PeopleChangeScansButNotPoses) {
-  const RecordedLog alone = drive(two_rooms(), quiet_drive());
-  RunOptions options = quiet_drive();
+TEST(RunSimulator, PeopleChangeScansButNotPoses) {
+  const RecordedLog alone = simulated(two_rooms(), quiet_run());
+  RunOptions options = quiet_run();
   options.people = 5;
-  const RecordedLog crowded = drive(two_rooms(), options);
+  const RecordedLog crowded = simulated(two_rooms(), options);
   EXPECT_TRUE(same_poses(alone, crowded));
   EXPECT_FALSE(same_scans(alone, crowded));
 }
 
-TEST(DriveSimulator, BoxesChangeScansButNotPosesAndStayOffTheWay) {
-  const RecordedLog empty = drive(two_rooms(), quiet_drive());
-  RunOptions options = quiet_drive();
+TEST(RunSimulator, BoxesChangeScansButNotPosesAndStayOffThePath) {
+  const RecordedLog empty = simulated(two_rooms(), quiet_run());
+  RunOptions options = quiet_run();
   options.boxes = 5;
-  const RecordedLog furnished = drive(two_rooms(), options);
+  const RecordedLog furnished = simulated(two_rooms(), options);
   EXPECT_TRUE(same_poses(empty, furnished));
   EXPECT_FALSE(same_scans(empty, furnished));
   for (const LogScan& recorded : furnished.scans) {
@@ -226,47 +226,47 @@ TEST(DriveSimulator, BoxesChangeScansButNotPosesAndStayOffTheWay) {
   }
 }
 
-TEST(DriveSimulator, SeesTheBuildingThatItDrivesInside) {
+TEST(RunSimulator, SeesTheBuildingThatItDrivesInside) {
   OccupancyGrid later = box_room();
   fill(later, {5.0, 3.0}, {7.0, 5.0}, Cell::kOccupied);  // A new pillar.
   const OccupancyGrid map = box_room();
-  for (const LogScan& recorded : drive(map, quiet_drive(), &later).scans) {
+  for (const LogScan& recorded : simulated(map, quiet_run(), &later).scans) {
     const Point2 p = recorded.T_map_laser->translation();
     EXPECT_FALSE(p.x() > 5.0 && p.x() < 7.0 && p.y() > 3.0 && p.y() < 5.0);
   }
-  EXPECT_FALSE(same_scans(drive(later, quiet_drive()), drive(map, quiet_drive())));
-  EXPECT_TRUE(same_scans(drive(later, quiet_drive()), drive(map, quiet_drive(), &later)));
+  EXPECT_FALSE(same_scans(simulated(later, quiet_run()), simulated(map, quiet_run())));
+  EXPECT_TRUE(same_scans(simulated(later, quiet_run()), simulated(map, quiet_run(), &later)));
 }
 
-TEST(DriveSimulator, TakesTheFrameOfATurnedMap) {
+TEST(RunSimulator, TakesTheFrameOfATurnedMap) {
   OccupancyGrid turned = two_rooms();
   const Pose2 T{30.0, -4.0, 2.0};
   turned.T_map_grid = T * turned.T_map_grid;
-  const RecordedLog log = drive(two_rooms(), quiet_drive());
-  const RecordedLog turned_log = drive(turned, quiet_drive());
+  const RecordedLog log = simulated(two_rooms(), quiet_run());
+  const RecordedLog turned_log = simulated(turned, quiet_run());
   ASSERT_EQ(log.scans.size(), turned_log.scans.size());
   EXPECT_LT(distance(T * *log.scans.back().T_map_laser, *turned_log.scans.back().T_map_laser),
             1e-6);
 }
 
-TEST(DriveSimulator, DoesNotLookTwiceWhereAFullTurnBegins) {
-  RunOptions options = quiet_drive();
+TEST(RunSimulator, DoesNotLookTwiceWhereAFullTurnBegins) {
+  RunOptions options = quiet_run();
   options.field_of_view_rad = 2.0 * std::numbers::pi;
   options.beams = 360;
   options.length_m = 1.0;
-  const RecordedLog log = drive(box_room(), options);
+  const RecordedLog log = simulated(box_room(), options);
   EXPECT_NEAR(log.header.lidar.angle_increment, std::numbers::pi / 180.0, 1e-12);
 }
 
-TEST(DriveSimulator, RefusesAMapWithoutSpaceToDrive) {
+TEST(RunSimulator, RefusesAMapWithoutSpaceToDrive) {
   OccupancyGrid full = box_room();
   std::fill(full.cells.begin(), full.cells.end(), Cell::kOccupied);
-  const Result<RecordedLog> log = simulate_run(full, quiet_drive());
+  const Result<RecordedLog> log = simulate_run(full, quiet_run());
   ASSERT_FALSE(log.ok());
   EXPECT_EQ(log.error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(DriveSimulator, RefusesBrokenOptions) {
+TEST(RunSimulator, RefusesBrokenOptions) {
   const auto field_of = [](auto change) {
     RunOptions options;
     change(options);
@@ -286,12 +286,12 @@ TEST(DriveSimulator, RefusesBrokenOptions) {
 }
 
 TEST(LogWriter, WritesWhatTheReaderReads) {
-  RunOptions options = quiet_drive();
+  RunOptions options = quiet_run();
   options.length_m = 3.0;
-  RecordedLog log = drive(box_room(), options);
-  log.header.name = "a \"drive\"";
+  RecordedLog log = simulated(box_room(), options);
+  log.header.name = "a \"run\"";
   const testing::TemporaryDirectory directory;
-  for (const char* name : {"drive.jsonl", "drive.jsonl.gz"}) {
+  for (const char* name : {"run.jsonl", "run.jsonl.gz"}) {
     auto writer = LogWriter::create(directory.path() / name, log.header);
     ASSERT_TRUE(writer.ok()) << writer.error().message;
     for (const LogScan& scan : log.scans) ASSERT_TRUE(writer->write(scan).ok());

@@ -14,7 +14,7 @@ using ::testing::SizeIs;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-TEST_F(BagReading, ReadsRos1BagsPackedEachWay) {
+TEST_F(BagReading, ReadsRos1BagsOfEachCompression) {
   for (const char* compression : {"none", "bz2", "lz4"}) {
     SCOPED_TRACE(compression);
     const auto path = directory_.write("drive.bag", ros1_bag(drive(kRos1, 20), compression));
@@ -25,7 +25,7 @@ TEST_F(BagReading, ReadsRos1BagsPackedEachWay) {
   }
 }
 
-TEST_F(BagReading, ReadsMcapPackedEachWay) {
+TEST_F(BagReading, ReadsMcapOfEachCompression) {
   for (const char* compression : {"", "lz4", "zstd"}) {
     SCOPED_TRACE(compression);
     expect_drive(read(directory_.write("drive.mcap", mcap(drive(kCdr, 20), compression))), 20);
@@ -44,7 +44,7 @@ TEST_F(BagReading, ReadsTheDatabaseOfARos2Bag) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(BagReading, TellsBagsByWhatTheyBeginWith) {
+TEST_F(BagReading, DetectsBagsByTheirFirstBytes) {
   expect_drive(read(directory_.write("drive", ros1_bag(drive(kRos1, 3), "none"))), 3);
 }
 
@@ -62,7 +62,7 @@ TEST_F(BagReading, TakesOdometryMessagesWhereTfKnowsNone) {
   EXPECT_EQ(remarks_, "");
 }
 
-TEST_F(BagReading, SaysThatItTakesTheLaserToBeAtTheBaseWhereNothingTellsItsPlace) {
+TEST_F(BagReading, WarnsThatItTakesTheLaserToBeAtTheBaseWithoutATransform) {
   const std::vector<WrittenMessage> messages = {odometry_message(kRos1, 100.0, 1.0, 2.0, 0.0),
                                                 scan_message(kRos1, 100.1),
                                                 odometry_message(kRos1, 100.2, 1.2, 2.0, 0.0)};
@@ -91,7 +91,7 @@ TEST_F(BagReading, TurnsTheScansOfAnOverheadLaserOver) {
   EXPECT_NEAR(log.scans[0].T_odom_laser->yaw, 0.5, 1e-9);
 }
 
-TEST_F(BagReading, TakesTheLidarThatItIsTold) {
+TEST_F(BagReading, TakesTheSelectedLidar) {
   const std::vector<WrittenMessage> messages = {scan_message(kRos1, 1.0, "/rear"),
                                                 scan_message(kRos1, 2.0, "/front"),
                                                 scan_message(kRos1, 3.0, "/rear")};
@@ -147,7 +147,7 @@ TEST_F(BagReading, CountsAMessageWhoseLengthLies) {
   EXPECT_EQ(faults_.first()[0].message, "LaserScan: ends too early");
 }
 
-TEST_F(BagReading, DoesNotBelieveTheSizeThatAChunkTells) {
+TEST_F(BagReading, DoesNotTrustTheSizeThatAChunkStates) {
   for (const std::uint32_t told : {0xffffffffU, 0x0fffffffU, 100U}) {
     std::string bag = ros1_bag(drive(kRos1, 3), "lz4");
     const std::size_t size = bag.find("size=", bag.find("compression=lz4")) + 5;
