@@ -47,8 +47,7 @@ struct EvaluationOptions {
 
 enum class Verdict { kCorrect, kWrong, kNone };
 
-/// What was known of the two best poses after a search of the whole map, for
-/// calibration.
+/// What was known of the two best poses after a search of the whole map, for calibration.
 struct DecisionSample {
   double distance_traveled_m = 0.0;
   double near_m = 0.0;  ///< From the nearest mapping pose, now.
@@ -127,10 +126,10 @@ struct Evaluation {
 inline constexpr std::size_t kNoMap =
     static_cast<std::size_t>(-1);  ///< The log lies in none of the maps.
 
-/// Asks `log` from `begin` on in `maps`; any pose in another map than `maps[right_map]` is false.
-/// Starts are spread evenly over the scans that have enough log ahead. If no
-/// scan has, they are spread over all scans and none of the records counts. \param
-/// mapping_positions  Where the right map was made from.
+/// Asks `log` from `begin` on in `maps`; any pose in another map than `maps[right_map]` is wrong.
+/// Starts are spread evenly over the scans that have enough log ahead. If no scan has, they are
+/// spread over all scans and none of the records counts.
+/// \param mapping_positions  Where the right map was made from.
 [[nodiscard]] std::vector<StartRecord> evaluate(const RecordedLog& log, std::size_t begin,
                                                 const std::vector<LocalizationMapPtr>& maps,
                                                 std::size_t right_map,

@@ -202,6 +202,29 @@ TEST(RunSimulator, DriftLeavesPosesAndScansAsTheyWere) {
             0.05);
 }
 
+TEST(RunSimulator, AFaultChangesTheOdometryOnly) {
+  RunOptions options = quiet_run();
+  const RecordedLog sound = simulated(two_rooms(), options);
+  options.odometry_fault = OdometryFaultKind::kZero;
+  const RecordedLog faulty = simulated(two_rooms(), options);
+  EXPECT_TRUE(same_poses(sound, faulty));
+  EXPECT_TRUE(same_scans(sound, faulty));
+  ASSERT_FALSE(faulty.scans.empty());
+  for (const LogScan& scan : faulty.scans) EXPECT_EQ(scan.T_odom_laser, Pose2{});
+}
+
+TEST(RunSimulator, IsDescribedByItsMapItsSeedAndItsFault) {
+  RunOptions options;
+  options.seed = 7;
+  options.people = 2;
+  EXPECT_EQ(describe_run("attic.yaml", options),
+            "simulated run in attic.yaml, seed 7, noise 0.02 m, drift 0.02, people 2, boxes 0");
+  options.odometry_fault = OdometryFaultKind::kJump;
+  EXPECT_EQ(describe_run("attic.yaml", options),
+            "simulated run in attic.yaml, seed 7, noise 0.02 m, drift 0.02, people 2, boxes 0, "
+            "odometry fault jump");
+}
+
 TEST(RunSimulator, PeopleChangeScansButNotPoses) {
   const RecordedLog alone = simulated(two_rooms(), quiet_run());
   RunOptions options = quiet_run();
