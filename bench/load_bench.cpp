@@ -128,14 +128,14 @@ class ServerProcess {
   std::string url_;
 };
 
-evaluation::RecordedLog drive(const evaluation::RunOptions& options) {
+evaluation::RecordedLog simulated(const evaluation::RunOptions& options) {
   static const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
   return value_of(evaluation::simulate_run(willow, options));
 }
 
 void make_map(HttpClient& client) {
   const evaluation::RecordedLog log =
-      drive({.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1});
+      simulated({.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1});
   const nlohmann::ordered_json lidar = lidar_json(log.header);
   value_of(client.send({"PUT", kMap, nlohmann::ordered_json{{"lidar", lidar}}.dump()}));
   for (std::size_t at = 0; at < log.scans.size(); at += kMappingBatch) {
@@ -150,19 +150,19 @@ void make_map(HttpClient& client) {
 }
 
 /// A run; each robot drives a part of its own.
-struct FleetDrive {
+struct FleetRun {
   nlohmann::ordered_json lidar;
   std::vector<std::string> scans;  ///< As a session takes them.
 };
 
-FleetDrive fleet_drive(std::size_t scans) {
+FleetRun fleet_run(std::size_t scans) {
   constexpr double kStep = 0.08;
-  const evaluation::RecordedLog log = drive({.beams = kBeams,
-                                             .people = 3,
-                                             .length_m = kStep * static_cast<double>(scans),
-                                             .step_m = kStep,
-                                             .seed = 2});
-  FleetDrive fleet{lidar_json(log.header), {}};
+  const evaluation::RecordedLog log = simulated({.beams = kBeams,
+                                                 .people = 3,
+                                                 .length_m = kStep * static_cast<double>(scans),
+                                                 .step_m = kStep,
+                                                 .seed = 2});
+  FleetRun fleet{lidar_json(log.header), {}};
   for (const evaluation::LogScan& scan : log.scans)
     fleet.scans.push_back(robot_scan_json(log.header, scan, true).dump());
   return fleet;
@@ -195,7 +195,7 @@ struct Schedule {
   Clock::duration period;
 };
 
-std::string open_session(HttpClient& client, const FleetDrive& fleet, std::size_t number,
+std::string open_session(HttpClient& client, const FleetRun& fleet, std::size_t number,
                          const LoadOptions& options) {
   const nlohmann::ordered_json body = {{"robot", "load-" + std::to_string(number)},
                                        {"map", "load-bench"},
@@ -206,7 +206,7 @@ std::string open_session(HttpClient& client, const FleetDrive& fleet, std::size_
 }
 
 /// Leaves its session open: closing it is work that the other robots would have to wait for.
-Robot run_robot(const LoadOptions& options, const FleetDrive& fleet, std::size_t number,
+Robot run_robot(const LoadOptions& options, const FleetRun& fleet, std::size_t number,
                 std::size_t first_scan, const Schedule& schedule) {
   Robot robot;
   std::this_thread::sleep_until(schedule.begin);
@@ -243,8 +243,8 @@ struct FleetReport {
   double processor_ms = 0.0;  ///< Of the server while all were on.
 };
 
-FleetReport run_fleet(const LoadOptions& options, const FleetDrive& fleet,
-                      std::size_t scans_a_robot, const ServerProcess* server) {
+FleetReport run_fleet(const LoadOptions& options, const FleetRun& fleet, std::size_t scans_a_robot,
+                      const ServerProcess* server) {
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / options.scans_per_s));
   const auto ramp = std::chrono::duration_cast<Clock::duration>(Seconds(options.ramp_s));
   const auto start = Clock::now();
@@ -287,7 +287,7 @@ int run(LoadOptions options) {
       static_cast<std::size_t>((options.ramp_s + Seconds(kSettling).count() + options.seconds) *
                                options.scans_per_s) +
       4;
-  const FleetDrive fleet = fleet_drive(scans_a_robot + 10 * options.robots);
+  const FleetRun fleet = fleet_run(scans_a_robot + 10 * options.robots);
   const auto [all, processor_ms] =
       run_fleet(options, fleet, scans_a_robot, server ? &*server : nullptr);
   tell_memory("with the fleet");

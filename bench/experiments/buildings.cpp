@@ -62,7 +62,7 @@ Building simulated(const BuildingSource& source) {
   const OccupancyGrid floor = value_or_exit(read_map_files(source.floor_map));
   std::optional<OccupancyGrid> inside;
   if (!source.inside.empty()) inside = value_or_exit(read_map_files(source.inside));
-  // Along a way that is free in both, or the drives might be in rooms that are not connected.
+  // Along a path that is free in both, or the runs might be in rooms that are not connected.
   const evaluation::RecordedLog mapping = value_or_exit(evaluation::simulate_run(
       inside ? *inside : floor,
       {.drift = 0.0, .length_m = source.mapping_m, .step_m = 0.3, .seed = 1},
@@ -77,7 +77,7 @@ Building simulated(const BuildingSource& source) {
 
 void add_building_options(CLI::App& command, BuildingSource& source) {
   command.add_option("--name", source.name, "Of the building, in tables")->required();
-  CLI::Option* log = command.add_option("--log", source.log, "Recorded drive with reference poses")
+  CLI::Option* log = command.add_option("--log", source.log, "Recorded run with reference poses")
                          ->check(CLI::ExistingFile);
   CLI::Option* split = command.add_option("--split", source.split, "Share of the log that maps")
                            ->check(CLI::Range(0.0, 1.0));
@@ -87,7 +87,7 @@ void add_building_options(CLI::App& command, BuildingSource& source) {
       ->excludes(split);
   CLI::Option* floor =
       command
-          .add_option("--floor-map", source.floor_map, "ROS map_server yaml to simulate drives in")
+          .add_option("--floor-map", source.floor_map, "ROS map_server yaml to simulate runs in")
           ->check(CLI::ExistingFile)
           ->excludes(log);
   command
@@ -96,7 +96,7 @@ void add_building_options(CLI::App& command, BuildingSource& source) {
       ->check(CLI::ExistingFile)
       ->needs(floor);
   command.add_option("--mapping-length", source.mapping_m, "Metres of the simulated mapping drive");
-  command.add_option("--asking-length", source.asking_m, "Metres of the simulated drive that asks");
+  command.add_option("--asking-length", source.asking_m, "Metres of the simulated run that asks");
   command.add_option("--people", source.people, "People about the robot on that drive");
 }
 

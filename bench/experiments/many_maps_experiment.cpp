@@ -147,7 +147,7 @@ void add_many_maps_experiment(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("maps", "A robot that is given its map, and the same robot among many");
   add_building_options(*command, arguments->building);
-  command->add_option("--logs", arguments->logs, "Recorded drives in other buildings")
+  command->add_option("--logs", arguments->logs, "Recorded runs in other buildings")
       ->delimiter(',')
       ->check(CLI::ExistingFile);
   command->add_option("--floor-maps", arguments->floor_maps, "Yamls of other buildings")
@@ -155,7 +155,7 @@ void add_many_maps_experiment(CLI::App& app) {
       ->check(CLI::ExistingFile);
   command->add_option("--maps", arguments->maps, "How many, the right one among them")
       ->check(CLI::PositiveNumber);
-  command->add_option("--starts", arguments->starts, "Robots switched on along the drive")
+  command->add_option("--starts", arguments->starts, "Robots switched on along the run")
       ->check(CLI::PositiveNumber);
   add_out_option(*command, arguments->out);
   command->callback([arguments] { run(*arguments); });

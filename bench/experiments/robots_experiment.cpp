@@ -144,12 +144,12 @@ class RobotsExperiment {
                percentile(ms, 0.95), percentile(ms, 1.0), contestant.map_bytes, times.robot_bytes);
   }
 
-  /// The way that asks, and the walls as the map has them, for figures.
+  /// The path that asks, and the walls as the map has them, for figures.
   void write_way() {
-    CsvFile way(file("way"), "scan,x_m,y_m");
+    CsvFile path(file("way"), "scan,x_m,y_m");
     for (std::size_t i = building_.begin; i < building_.log.scans.size(); i += 5) {
       const auto& pose = building_.log.scans[i].T_map_laser;
-      if (pose) way.row(i, pose->x, pose->y);
+      if (pose) path.row(i, pose->x, pose->y);
     }
     CsvFile walls(file("walls"), "x_m,y_m");
     const OccupancyGrid& grid = building_.mapped.map->grid();
@@ -178,7 +178,7 @@ void add_robots_experiment(CLI::App& app) {
   command->add_option("--methods", arguments->methods, "Which ones")
       ->delimiter(',')
       ->check(CLI::IsMember(contestant_names()));
-  command->add_option("--starts", arguments->starts, "Robots switched on along the drive")
+  command->add_option("--starts", arguments->starts, "Robots switched on along the run")
       ->check(CLI::PositiveNumber);
   command->add_option("--near", arguments->near_m,
                       "Metres from a mapping pose that a start may be");

@@ -76,7 +76,7 @@ class TrackingExperiment {
   }
 
  private:
-  /// Calls `follow` with each scan of each robot's way; `first` at its start.
+  /// Calls `follow` with each scan of each robot's path; `first` at its start.
   template <typename Follow>
   void drive(const Follow& follow) const {
     for (std::size_t i = 0; i < arguments_.starts; ++i) {
