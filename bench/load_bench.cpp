@@ -106,7 +106,7 @@ class ServerProcess {
 
   [[nodiscard]] const std::string& url() const { return url_; }
   /// Processor time of all its threads so far.
-  [[nodiscard]] double evaluation::processor_ms() const {
+  [[nodiscard]] double processor_ms() const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/stat");
     std::string field;
     for (int i = 0; i < 13; ++i) file >> field;  // proc(5): utime and stime come after them.
