@@ -28,14 +28,15 @@
 
 #include <cornerfix/map_image.hpp>
 
-#include "cli/drive_simulator.hpp"
-#include "cli/http_client.hpp"
-#include "cli/scan_json.hpp"
+#include "clients/cpp/http_client.hpp"
+#include "clients/cpp/scan_json.hpp"
+#include "evaluation/metrics/percentile.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 #include "support/temporary_directory.hpp"
 
 extern char** environ;
 
-namespace cornerfix::cli {
+namespace cornerfix::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -127,14 +128,14 @@ class ServerProcess {
   std::string url_;
 };
 
-RecordedLog drive(const DriveOptions& options) {
+evaluation::RecordedLog simulated(const evaluation::RunOptions& options) {
   static const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  return value_of(simulate_drive(willow, options));
+  return value_of(evaluation::simulate_run(willow, options));
 }
 
 void make_map(HttpClient& client) {
-  const RecordedLog log =
-      drive({.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1});
+  const evaluation::RecordedLog log =
+      simulated({.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1});
   const nlohmann::ordered_json lidar = lidar_json(log.header);
   value_of(client.send({"PUT", kMap, nlohmann::ordered_json{{"lidar", lidar}}.dump()}));
   for (std::size_t at = 0; at < log.scans.size(); at += kMappingBatch) {
@@ -149,20 +150,20 @@ void make_map(HttpClient& client) {
 }
 
 /// A run; each robot drives a part of its own.
-struct FleetDrive {
+struct FleetRun {
   nlohmann::ordered_json lidar;
   std::vector<std::string> scans;  ///< As a session takes them.
 };
 
-FleetDrive fleet_drive(std::size_t scans) {
+FleetRun fleet_run(std::size_t scans) {
   constexpr double kStep = 0.08;
-  const RecordedLog log = drive({.beams = kBeams,
-                                 .people = 3,
-                                 .length_m = kStep * static_cast<double>(scans),
-                                 .step_m = kStep,
-                                 .seed = 2});
-  FleetDrive fleet{lidar_json(log.header), {}};
-  for (const LogScan& scan : log.scans)
+  const evaluation::RecordedLog log = simulated({.beams = kBeams,
+                                                 .people = 3,
+                                                 .length_m = kStep * static_cast<double>(scans),
+                                                 .step_m = kStep,
+                                                 .seed = 2});
+  FleetRun fleet{lidar_json(log.header), {}};
+  for (const evaluation::LogScan& scan : log.scans)
     fleet.scans.push_back(robot_scan_json(log.header, scan, true).dump());
   return fleet;
 }
@@ -194,7 +195,7 @@ struct Schedule {
   Clock::duration period;
 };
 
-std::string open_session(HttpClient& client, const FleetDrive& fleet, std::size_t number,
+std::string open_session(HttpClient& client, const FleetRun& fleet, std::size_t number,
                          const LoadOptions& options) {
   const nlohmann::ordered_json body = {{"robot", "load-" + std::to_string(number)},
                                        {"map", "load-bench"},
@@ -205,7 +206,7 @@ std::string open_session(HttpClient& client, const FleetDrive& fleet, std::size_
 }
 
 /// Leaves its session open: closing it is work that the other robots would have to wait for.
-Robot run_robot(const LoadOptions& options, const FleetDrive& fleet, std::size_t number,
+Robot run_robot(const LoadOptions& options, const FleetRun& fleet, std::size_t number,
                 std::size_t first_scan, const Schedule& schedule) {
   Robot robot;
   std::this_thread::sleep_until(schedule.begin);
@@ -227,15 +228,8 @@ Robot run_robot(const LoadOptions& options, const FleetDrive& fleet, std::size_t
   return robot;
 }
 
-double percentile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, nth);
-  return *nth;
-}
-
-void print(const char* name, Tally tally) {
+void print(const char* name, const Tally& tally) {
+  using evaluation::percentile;
   std::printf("%-10s %8zu %7zu %6zu %9.1f %9.1f %9.1f %9.1f %9.1f\n", name,
               tally.latencies_ms.size(), tally.errors, tally.late,
               100.0 * static_cast<double>(tally.localized) /
@@ -249,8 +243,8 @@ struct FleetReport {
   double processor_ms = 0.0;  ///< Of the server while all were on.
 };
 
-FleetReport run_fleet(const LoadOptions& options, const FleetDrive& fleet,
-                      std::size_t scans_a_robot, const ServerProcess* server) {
+FleetReport run_fleet(const LoadOptions& options, const FleetRun& fleet, std::size_t scans_a_robot,
+                      const ServerProcess* server) {
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / options.scans_per_s));
   const auto ramp = std::chrono::duration_cast<Clock::duration>(Seconds(options.ramp_s));
   const auto start = Clock::now();
@@ -293,7 +287,7 @@ int run(LoadOptions options) {
       static_cast<std::size_t>((options.ramp_s + Seconds(kSettling).count() + options.seconds) *
                                options.scans_per_s) +
       4;
-  const FleetDrive fleet = fleet_drive(scans_a_robot + 10 * options.robots);
+  const FleetRun fleet = fleet_run(scans_a_robot + 10 * options.robots);
   const auto [all, processor_ms] =
       run_fleet(options, fleet, scans_a_robot, server ? &*server : nullptr);
   tell_memory("with the fleet");
@@ -309,10 +303,10 @@ int run(LoadOptions options) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::client
 
 int main(int argc, char** argv) {
-  cornerfix::cli::LoadOptions options;
+  cornerfix::client::LoadOptions options;
   CLI::App app("Drives a fleet of robots against a Cornerfix server and counts who had to wait.");
   app.add_option("--url", options.url, "A running server, instead of one started for this");
   app.add_option("--robots", options.robots)->capture_default_str();
@@ -322,5 +316,5 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.seconds, "That all of them are on")->capture_default_str();
   app.add_option("--method", options.method, "indexed, rma or nma")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  return cornerfix::cli::run(options);
+  return cornerfix::client::run(options);
 }

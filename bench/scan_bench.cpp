@@ -16,10 +16,11 @@
 
 #include <cornerfix/map_image.hpp>
 
-#include "cli/drive_simulator.hpp"
-#include "cli/evaluation.hpp"
+#include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/metrics/percentile.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 constexpr std::size_t kBeams = 1080;
@@ -31,26 +32,18 @@ T value_of(Result<T> result) {
   std::exit(1);
 }
 
-struct Drives {
+struct Runs {
   Evaluation mapped;
   RecordedLog robot;
 };
 
-Drives simulate_drives() {
+Runs simulate_runs() {
   const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
-  const RecordedLog mapping = value_of(simulate_drive(
+  const RecordedLog mapping = value_of(simulate_run(
       willow, {.beams = kBeams, .drift = 0.0, .length_m = 600.0, .step_m = 0.3, .seed = 1}));
-  return {map_from(mapping, mapping.scans.size(), {}),
-          value_of(simulate_drive(willow,
-                                  {.beams = kBeams, .people = 3, .length_m = 200.0, .seed = 2}))};
-}
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, nth);
-  return *nth;
+  return {
+      map_from(mapping, mapping.scans.size(), {}),
+      value_of(simulate_run(willow, {.beams = kBeams, .people = 3, .length_m = 200.0, .seed = 2}))};
 }
 
 void count_times(benchmark::State& state, const std::string& name,
@@ -61,15 +54,15 @@ void count_times(benchmark::State& state, const std::string& name,
 }
 
 void scan(benchmark::State& state, Method method) {
-  static const Drives drives = simulate_drives();
+  static const Runs runs = simulate_runs();
   EvaluationOptions options;
   options.starts = 50;
   options.batch = 1;
   options.localizer.method = method;
   std::vector<StartRecord> records;
   for (auto _ : state) {
-    records = evaluate(drives.robot, 0, {drives.mapped.map}, 0, drives.mapped.mapping_positions,
-                       options, nullptr);
+    records = evaluate(runs.robot, 0, {runs.mapped.map}, 0, runs.mapped.mapping_positions, options,
+                       nullptr);
   }
   std::vector<double> searching_ms;
   std::vector<double> tracking_ms;
@@ -79,7 +72,7 @@ void scan(benchmark::State& state, Method method) {
   }
   state.counters["robots"] = static_cast<double>(records.size());
   state.counters["found"] =
-      static_cast<double>(std::ranges::count(records, Verdict::kFixed, &StartRecord::verdict));
+      static_cast<double>(std::ranges::count(records, Verdict::kCorrect, &StartRecord::verdict));
   count_times(state, "search", searching_ms);
   count_times(state, "track", tracking_ms);
 }
@@ -93,4 +86,4 @@ BENCHMARK_CAPTURE(scan, rma, Method::kRma)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation

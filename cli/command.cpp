@@ -6,8 +6,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 
 #include "api/requests.hpp"
+#include "cli/progress.hpp"
 
 namespace cornerfix::cli {
 
@@ -34,6 +37,33 @@ int fail(const Error& error) {
 
 void warn(const std::string& where, const std::string& what) {
   if (!what.empty()) std::fprintf(stderr, "cornerfix: %s: %s\n", where.c_str(), what.c_str());
+}
+
+Result<evaluation::RecordedLog> read_whole_log(const std::string& path,
+                                               const evaluation::LogSelection& selection,
+                                               std::size_t stride) {
+  Result<evaluation::LogReader> reader = evaluation::LogReader::open(path, selection);
+  if (!reader) return reader.error();
+  evaluation::RecordedLog log;
+  {
+    Progress progress("reading");
+    log = evaluation::read_all(*reader, stride, [&](double share) { progress.update(share); });
+  }
+  if (auto error = reader->most_scans_lost()) return *error;
+  warn(path, evaluation::remarks(*reader));
+  return log;
+}
+
+Result<void> write_file(const std::string& path, const std::string& bytes) {
+  const std::string partial = path + ".partial";
+  std::ofstream file(partial, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(partial, path, error);
+  if (file && !error) return {};
+  std::filesystem::remove(partial, error);
+  return Error{ErrorCode::kUnavailable, "cannot be written", path};
 }
 
 CLI::Validator above_zero() {
@@ -78,7 +108,7 @@ CLI::Option* add_log(CLI::App& command, std::string& log) {
       ->check(CLI::ExistingPath);
 }
 
-void add_selection(CLI::App& command, LogSelection& selection) {
+void add_selection(CLI::App& command, evaluation::LogSelection& selection) {
   command.add_option("--lidar", selection.lidar,
                      "Topic of a bag, or message of a CARMEN log, with the scans to take (default: "
                      "the topic of the most beams, the message of the first scan)");

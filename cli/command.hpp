@@ -8,7 +8,7 @@
 
 #include <cornerfix/result.hpp>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace cornerfix::cli {
 
@@ -19,17 +19,25 @@ constexpr int kWrongUse = 2;
 /// RFC 3339 in UTC.
 std::string utc_now_text();
 
-/// Says on stderr why something could not be done; returns kCouldNot.
+/// Prints on stderr why something could not be done; returns kCouldNot.
 int fail(const Error& error);
 
-/// Says on stderr what a person should know of `where`; nothing when there is nothing to say.
+/// Prints a warning about `where` on stderr, unless `what` is empty.
 void warn(const std::string& where, const std::string& what);
+
+/// Reads a log into memory, with a progress bar and with warnings. An error as well when most of
+/// its scans cannot be used. \param stride  n keeps every n-th scan, from the first.
+[[nodiscard]] Result<evaluation::RecordedLog> read_whole_log(
+    const std::string& path, const evaluation::LogSelection& selection, std::size_t stride = 1);
+
+/// Whole or not at all: what was there stays until the last byte is written.
+[[nodiscard]] Result<void> write_file(const std::string& path, const std::string& bytes);
 
 /// LOG, a recorded run: a file or the directory of a bag.
 CLI::Option* add_log(CLI::App& command, std::string& log);
 
 /// --lidar, --odom, --height and --scan-time.
-void add_selection(CLI::App& command, LogSelection& selection);
+void add_selection(CLI::App& command, evaluation::LogSelection& selection);
 
 /// A finite number above 0, or not below 0. CLI11's own print the largest double in full.
 [[nodiscard]] CLI::Validator above_zero();

@@ -23,7 +23,7 @@ std::string unknown_command(const CLI::App& app) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
-  CLI::App app("Cornerfix tells a robot with a 2D lidar where it is in a known building.");
+  CLI::App app("Cornerfix finds the pose of robots with a 2D lidar in stored maps.");
   app.name("cornerfix");
   app.require_subcommand(1);
   app.fallthrough(false);

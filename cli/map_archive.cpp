@@ -1,33 +1,28 @@
-#include "cli/map_archive.hpp"
-
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
+#include "cli/server_options.hpp"
 #include "server/responses.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
 
-std::string archive_path(const std::string& map) {
-  return "/v1/maps/" + percent_encode(map) + "/archive";
-}
+struct MapArchiveArguments {
+  client::ConnectionOptions connection;
+  std::string name;
+  std::string file;
+};
 
-/// Whole or not at all: what was there stays until the last byte is written.
-Result<void> write_file(const std::string& path, const std::string& bytes) {
-  const std::string partial = path + ".partial";
-  std::ofstream file(partial, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(partial, path, error);
-  if (file && !error) return {};
-  std::filesystem::remove(partial, error);
-  return Error{ErrorCode::kUnavailable, "cannot be written", path};
+std::string archive_path(const std::string& map) {
+  return "/v1/maps/" + client::percent_encode(map) + "/archive";
 }
 
 Result<std::string> read_file(const std::string& path) {
@@ -37,12 +32,10 @@ Result<std::string> read_file(const std::string& path) {
   return bytes;
 }
 
-}  // namespace
-
 int run_map_export(const MapArchiveArguments& arguments) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  HttpRequest request{"GET", archive_path(arguments.name)};
+  client::HttpRequest request{"GET", archive_path(arguments.name)};
   request.answer_path = arguments.file;
   const Result<std::string> bytes = server->fetch(request);
   if (!bytes) return fail(bytes.error());
@@ -59,9 +52,9 @@ int run_map_restore(const MapArchiveArguments& arguments) {
   if (!bytes) return fail(bytes.error());
   if (bytes->empty())
     return fail({ErrorCode::kInvalidArgument, "is empty, so it is no map", arguments.file});
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  HttpRequest request{"POST", archive_path(arguments.name), std::move(*bytes)};
+  client::HttpRequest request{"POST", archive_path(arguments.name), std::move(*bytes)};
   request.content_type = server::kArchiveType;
   request.body_path = arguments.file;
   const Result<nlohmann::json> map = server->call(request);
@@ -70,6 +63,32 @@ int run_map_restore(const MapArchiveArguments& arguments) {
   std::printf("%s: restored, digest %s\n", arguments.name.c_str(),
               map->value("digest", std::string()).c_str());
   return kDone;
+}
+
+/// Returns its FILE.
+CLI::Option* add_archive_command(CLI::App& map, const char* name, const char* help,
+                                 const char* file_help, int (*run)(const MapArchiveArguments&),
+                                 int& exit_code) {
+  auto arguments = std::make_shared<MapArchiveArguments>();
+  CLI::App* command = map.add_subcommand(name, help);
+  add_map_name(*command, arguments->name);
+  CLI::Option* file = command->add_option("FILE", arguments->file, file_help)->required();
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, run, &exit_code] { exit_code = run(*arguments); });
+  return file;
+}
+
+}  // namespace
+
+void add_map_export_command(CLI::App& map, int& exit_code) {
+  add_archive_command(map, "export", "Write a map into one file", "Where to write it",
+                      run_map_export, exit_code);
+}
+
+void add_map_restore_command(CLI::App& map, int& exit_code) {
+  add_archive_command(map, "restore", "Make a map of the file that export wrote", "The file",
+                      run_map_restore, exit_code)
+      ->check(CLI::ExistingFile);
 }
 
 }  // namespace cornerfix::cli

@@ -1,8 +1,6 @@
-#include "cli/map_build.hpp"
-
-#include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -11,8 +9,12 @@
 
 #include "api/requests.hpp"
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
 #include "cli/progress.hpp"
-#include "cli/scan_json.hpp"
+#include "cli/server_options.hpp"
+#include "clients/cpp/map_upload.hpp"
+#include "clients/cpp/scan_json.hpp"
+#include "evaluation/datasets/mapping_scans.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
 
@@ -20,37 +22,31 @@ namespace cornerfix::cli {
 
 namespace {
 
+struct MapBuildArguments {
+  client::ConnectionOptions connection;
+  std::string database;  ///< Where to write instead of asking a server; empty for the server.
+  std::string name;
+  std::string log;
+  evaluation::MappingScanOptions scans;
+};
+
 constexpr std::size_t kScansPerBatch = 50;
 const std::string kNothingNew =
-    "the map holds scans of all its stamps already: nothing was added. Another drive needs stamps "
+    "the map holds scans of all its stamps already: nothing was added. Another run needs stamps "
     "of its own";
 const std::string kPartlyKnown =
     " of its scans have stamps that the map holds already and were left out, as after an "
-    "interruption. Another drive needs stamps of its own";
+    "interruption. Another run needs stamps of its own";
 
-std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
-}
+using AddBatch = std::function<Result<client::MapGrowth>(std::span<const evaluation::LogScan>)>;
 
-/// What a batch added, and where the map stands after it.
-using Growth = server::MapGrowthReport;
-using AddBatch = std::function<Result<Growth>(std::span<const LogScan>)>;
-
-std::vector<LogScan> next_batch(MappingScans& scans) {
-  std::vector<LogScan> batch;
-  while (batch.size() < kScansPerBatch) {
-    std::optional<LogScan> scan = scans.next();
-    if (!scan) break;
-    batch.push_back(std::move(*scan));
-  }
-  return batch;
-}
-
-/// Adds all scans, a batch after the other. Returns where the map stands in the end.
-Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress* progress) {
-  Growth total;
-  for (auto batch = next_batch(scans); !batch.empty(); batch = next_batch(scans)) {
-    Result<Growth> growth = add(batch);
+/// Adds all scans, a batch after the other. Returns the sums and the state of the map in the end.
+Result<client::MapGrowth> add_in_batches(evaluation::MappingScans& scans, const AddBatch& add,
+                                         Progress* progress) {
+  client::MapGrowth total;
+  for (auto batch = scans.next_batch(kScansPerBatch); !batch.empty();
+       batch = scans.next_batch(kScansPerBatch)) {
+    Result<client::MapGrowth> growth = add(batch);
     if (!growth) return growth;
     growth->accepted += total.accepted;
     growth->duplicates += total.duplicates;
@@ -60,100 +56,39 @@ Result<Growth> add_in_batches(MappingScans& scans, const AddBatch& add, Progress
   return total;
 }
 
-/// The description and lidar that a map has already. A later run does not change them, and a run
-/// into an occupancy map will be refused.
-struct KnownOfMap {
-  bool description = false;
-  bool lidar = false;
-  bool is_floor_map = false;
-};
-
-/// Description and lidar from the log, as far as the map has none; nothing when it has both.
-std::optional<std::string> description_body(const MapBuildArguments& arguments,
-                                            const LogHeader& header,
-                                            const std::optional<KnownOfMap>& known) {
-  nlohmann::ordered_json body;
-  if (known && known->is_floor_map) return std::nullopt;
-  if (!known || !known->description) body["description"] = "from " + file_name(arguments.log);
-  if (!known || !known->lidar) body["lidar"] = lidar_json(header);
-  if (body.empty()) return std::nullopt;
-  return body.dump();
+/// What a map that has none gets as its description.
+std::string description_of(const MapBuildArguments& arguments) {
+  return "from " + std::filesystem::path(arguments.log).filename().string();
 }
 
-// --- over HTTP ----------------------------------------------------------------------------------
-
-HttpRequest batch_request(const std::string& map, const LogHeader& header,
-                          std::span<const LogScan> scans, bool without_poses) {
-  auto list = nlohmann::ordered_json::array();
-  for (const LogScan& scan : scans)
-    list.push_back(without_poses ? robot_scan_json(header, scan, true)
-                                 : posed_scan_json(header, scan));
-  const nlohmann::ordered_json body = {{"lidar", lidar_json(header)}, {"scans", std::move(list)}};
-  return {"POST", "/v1/maps/" + percent_encode(map) + "/scans", body.dump()};
-}
-
-Growth growth_from_json(const nlohmann::json& answer) {
-  if (!answer.is_object()) return {};  // Nothing was sent.
-  return {.accepted = answer.value("accepted", std::size_t{0}),
-          .duplicates = answer.value("duplicates", std::size_t{0}),
-          .key_frames = answer.value("keyframes", std::size_t{0}),
-          .features = answer.value("features", std::size_t{0}),
-          .revision = answer.value("revision", std::uint64_t{0})};
-}
-
-/// Makes the map, or adds the description and lidar that it does not have.
-Result<void> describe_map(ServerConnection& server, const MapBuildArguments& arguments,
-                          const LogHeader& header) {
-  const std::string path = "/v1/maps/" + percent_encode(arguments.name);
-  std::optional<KnownOfMap> known;
-  if (!server.is_printing()) {
-    const Result<nlohmann::json> map = server.call({"GET", path});
-    if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
-    if (map)
-      known = {!map->value("description", "").empty(),
-               !map->value("lidar", nlohmann::json()).is_null(), map->value("floor_map", false)};
-  }
-  const auto body = description_body(arguments, header, known);
-  if (!body) return {};
-  const Result<nlohmann::json> described = server.call({"PUT", path, *body});
-  if (!described) return described.error();
-  return {};
-}
-
-Result<Growth> build_over_http(const MapBuildArguments& arguments, MappingScans& scans) {
-  const LogHeader& header = scans.log().header();
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+Result<client::MapGrowth> build_over_http(const MapBuildArguments& arguments,
+                                          evaluation::MappingScans& scans) {
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return server.error();
-  const Result<void> described = describe_map(*server, arguments, header);
+  client::MapUpload upload(arguments.name, scans.log().header(), *server);
+  const Result<void> described = upload.describe(description_of(arguments));
   if (!described) return described.error();
-  const auto add = [&](std::span<const LogScan> batch) -> Result<Growth> {
-    const auto answer =
-        server->call(batch_request(arguments.name, header, batch, arguments.scans.without_poses));
-    if (!answer) return answer.error();
-    return growth_from_json(*answer);
+  const auto add = [&](std::span<const evaluation::LogScan> batch) {
+    return upload.add(batch, arguments.scans.without_poses);
   };
   if (server->is_printing()) return add_in_batches(scans, add, nullptr);
   Progress progress("mapping");
-  Result<Growth> growth = add_in_batches(scans, add, &progress);
+  Result<client::MapGrowth> growth = add_in_batches(scans, add, &progress);
   if (!growth || !arguments.scans.without_poses) return growth;
-  // The first request for the map optimises its trajectory.
-  const Result<nlohmann::json> ready =
-      server->call({"GET", "/v1/maps/" + percent_encode(arguments.name) + "/features"});
-  if (!ready) return ready.error();
-  growth->features = ready->value("features", nlohmann::json::array()).size();
+  const Result<std::size_t> features = upload.count_features();
+  if (!features) return features.error();
+  growth->features = *features;
   return growth;
 }
 
-// --- into a file --------------------------------------------------------------------------------
-
 /// What the request checks over HTTP is checked here as well.
 Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& arguments,
-                          const LogHeader& header) {
+                          const evaluation::LogHeader& header) {
   const auto map = library.find(arguments.name);
   if (!map && map.error().code != ErrorCode::kNotFound) return map.error();
-  std::optional<KnownOfMap> known;
+  std::optional<client::KnownOfMap> known;
   if (map) known = {!map->description.empty(), !map->lidar_json.empty(), map->has_floor_map};
-  const auto body = description_body(arguments, header, known);
+  const auto body = client::description_body(description_of(arguments), header, known);
   if (!body) return {};
   const auto request = api::parse_put_map(*body, api::BodyFormat::kJson);
   if (const auto* problem = std::get_if<api::Problem>(&request)) {
@@ -164,34 +99,26 @@ Result<void> describe_map(server::MapLibrary& library, const MapBuildArguments& 
   return {};
 }
 
-std::vector<PosedScan> posed_scans(std::span<const LogScan> scans) {
-  std::vector<PosedScan> posed;
-  posed.reserve(scans.size());
-  for (const LogScan& scan : scans)
-    posed.push_back({as_sent(scan.scan), Pose2{}, *scan.T_map_laser});
-  return posed;
+Result<client::MapGrowth> growth_of(const Result<server::MapGrowthReport>& report) {
+  if (!report) return report.error();
+  return client::MapGrowth{report->accepted, report->duplicates, report->key_frames,
+                           report->features, report->revision};
 }
 
-std::vector<RobotScan> robot_scans(std::span<const LogScan> scans) {
-  std::vector<RobotScan> robot;
-  robot.reserve(scans.size());
-  for (const LogScan& scan : scans)
-    robot.push_back({as_sent(scan.scan), Pose2{}, scan.T_odom_laser});
-  return robot;
-}
-
-Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans& scans) {
+Result<client::MapGrowth> build_into_file(const MapBuildArguments& arguments,
+                                          evaluation::MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
   server::MapLibrary library(*stores, {}, utc_now_text);
   const Result<void> described = describe_map(library, arguments, scans.log().header());
   if (!described) return described.error();
   Progress progress("mapping");
-  Result<Growth> growth = add_in_batches(
+  Result<client::MapGrowth> growth = add_in_batches(
       scans,
-      [&](std::span<const LogScan> batch) {
-        return arguments.scans.without_poses ? library.grow(arguments.name, robot_scans(batch))
-                                             : library.grow(arguments.name, posed_scans(batch));
+      [&](std::span<const evaluation::LogScan> batch) {
+        return growth_of(arguments.scans.without_poses
+                             ? library.grow(arguments.name, client::robot_scans_as_sent(batch))
+                             : library.grow(arguments.name, client::posed_scans_as_sent(batch)));
       },
       &progress);
   if (!growth) return growth;
@@ -206,13 +133,18 @@ Result<Growth> build_into_file(const MapBuildArguments& arguments, MappingScans&
   return growth;
 }
 
-}  // namespace
+Result<evaluation::MappingScans> open_mapping_scans(const MapBuildArguments& arguments) {
+  Progress progress("reading");
+  return evaluation::MappingScans::open(arguments.log, arguments.scans,
+                                        [&](double share) { progress.update(share); });
+}
 
 int run_map_build(const MapBuildArguments& arguments) {
-  Result<MappingScans> scans = MappingScans::open(arguments.log, arguments.scans);
+  Result<evaluation::MappingScans> scans = open_mapping_scans(arguments);
   if (!scans) return fail(scans.error());
-  const Result<Growth> growth = arguments.database.empty() ? build_over_http(arguments, *scans)
-                                                           : build_into_file(arguments, *scans);
+  const Result<client::MapGrowth> growth = arguments.database.empty()
+                                               ? build_over_http(arguments, *scans)
+                                               : build_into_file(arguments, *scans);
   if (!growth) return fail(growth.error());
   warn(arguments.log, scans->remarks());
   if (arguments.connection.print_curl) return kDone;
@@ -221,10 +153,39 @@ int run_map_build(const MapBuildArguments& arguments) {
   } else if (growth->duplicates > 0) {
     warn(arguments.log, std::to_string(growth->duplicates) + kPartlyKnown);
   }
-  std::printf("%s: %zu scans (%zu there already), %zu key frames, %zu features, revision %llu\n",
-              arguments.name.c_str(), scans->count(), growth->duplicates, growth->key_frames,
+  std::printf("%s: %zu scans (%zu there already), %zu keyframes, %zu features, revision %llu\n",
+              arguments.name.c_str(), scans->count(), growth->duplicates, growth->keyframes,
               growth->features, static_cast<unsigned long long>(growth->revision));
   return kDone;
+}
+
+}  // namespace
+
+void add_map_build_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapBuildArguments>();
+  CLI::App* command = map.add_subcommand("build", "Make a map from a log, or update a map by it");
+  command->footer(
+      "A log is JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), also with .gz, or a bag of ROS\n"
+      "1 or 2 (.bag, .mcap, .db3). Its poses must be corrected ones: in CARMEN logs those of the\n"
+      "laser, in bags those of tf in the frame map. If a log marks key scans, only those make the\n"
+      "map. With --slam all scans do, and their poses are found. Scans that the map holds already\n"
+      "are skipped, so the same log may be sent again. A later run in the map's building and "
+      "frame\n"
+      "updates it: what is gone from the area that this run saw leaves the map.");
+  add_map_name(*command, arguments->name);
+  add_log(*command, arguments->log);
+  command->add_option("--split", arguments->scans.split, "Use this first share of the log only")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--stride", arguments->scans.stride, "Use every n-th scan")
+      ->check(above_zero())
+      ->capture_default_str();
+  command->add_flag("--slam", arguments->scans.without_poses,
+                    "Find the poses from scans and odometry instead of taking the log's");
+  add_selection(*command, arguments->scans.selection);
+  add_connection_options(*command, arguments->connection);
+  add_database_option(*command, arguments->database);
+  command->callback([arguments, &exit_code] { exit_code = run_map_build(*arguments); });
 }
 
 }  // namespace cornerfix::cli

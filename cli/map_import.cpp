@@ -1,15 +1,14 @@
-#include "cli/map_import.hpp"
-
 #include <cornerfix/map_image.hpp>
 
-#include <cstddef>
 #include <cstdio>
-#include <optional>
+#include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
+#include "cli/server_options.hpp"
+#include "clients/cpp/map_upload.hpp"
 #include "server/map_library.hpp"
 #include "server/store_access.hpp"
 
@@ -17,55 +16,21 @@ namespace cornerfix::cli {
 
 namespace {
 
-/// What the map became.
-struct Imported {
-  std::size_t features = 0;
-  std::uint64_t revision = 0;
-  std::vector<std::string> warnings;
+struct MapImportArguments {
+  client::ConnectionOptions connection;
+  std::string database;  ///< Where to write instead of asking a server; empty for the server.
+  std::string name;
+  std::string yaml;
 };
 
-/// Larger images are packed before they are sent.
-constexpr std::size_t kMaxImageBytes = std::size_t{15} << 20U;
-
-/// The same cells as a png, which is a small part of a large pgm. Returns what the map's owner
-/// should know about the files as they were.
-Result<std::vector<std::string>> pack(MapFiles& files) {
-  const auto image = std::as_bytes(std::span(files.image));
-  const Result<OccupancyGrid> grid = parse_map(files.yaml, image);
-  if (!grid) return Error{grid.error().code, grid.error().message, files.image_path.string()};
-  std::vector<std::string> warnings;
-  for (auto note : {thinning_note(files.yaml, *grid), threshold_advice(files.yaml, image)}) {
-    if (note) warnings.push_back(std::move(*note));
-  }
-  const std::vector<std::byte> png = encode_grid_png(*grid);
-  files.image.assign(reinterpret_cast<const char*>(png.data()), png.size());
-  files.yaml = encode_grid_yaml(*grid, "image.png");
-  return warnings;
-}
-
-Result<Imported> import_over_http(const MapImportArguments& arguments, MapFiles files) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+Result<client::ImportedMap> import_over_http(const MapImportArguments& arguments, MapFiles files) {
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return server.error();
-  std::vector<std::string> warnings;
-  if (files.image.size() > kMaxImageBytes && !server->is_printing()) {
-    auto packed = pack(files);
-    if (!packed) return packed.error();
-    warnings = std::move(*packed);
-  }
-  HttpRequest request{"PUT", "/v1/maps/" + percent_encode(arguments.name) + "/grid"};
-  request.form = {{"yaml", arguments.yaml, std::move(files.yaml)},
-                  {"image", files.image_path.string(), std::move(files.image)}};
-  const Result<nlohmann::json> answer = server->call(request);
-  if (!answer) return answer.error();
-  if (!answer->is_object()) return Imported{};  // Nothing was sent.
-  Imported imported{answer->value("features", std::size_t{0}),
-                    answer->value("revision", std::uint64_t{0}),
-                    answer->value("warnings", std::vector<std::string>{})};
-  imported.warnings.insert(imported.warnings.end(), warnings.begin(), warnings.end());
-  return imported;
+  return client::upload_occupancy_map(*server, arguments.name, arguments.yaml, std::move(files));
 }
 
-Result<Imported> import_into_file(const MapImportArguments& arguments, const MapFiles& files) {
+Result<client::ImportedMap> import_into_file(const MapImportArguments& arguments,
+                                             const MapFiles& files) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
   server::MapLibrary library(*stores, {}, utc_now_text);
@@ -77,18 +42,17 @@ Result<Imported> import_into_file(const MapImportArguments& arguments, const Map
     return Error{error.code, error.message,
                  is_of_image ? files.image_path.string() : arguments.yaml + " " + error.field};
   }
-  return Imported{report->info.feature_count, report->info.revision, std::move(report->warnings)};
+  return client::ImportedMap{report->info.feature_count, report->info.revision,
+                             std::move(report->warnings)};
 }
-
-}  // namespace
 
 int run_map_import(const MapImportArguments& arguments) {
   Result<MapFiles> files = load_map_files(arguments.yaml);
   if (!files) return fail(files.error());
   warn(arguments.yaml, files->note);
-  const Result<Imported> imported = arguments.database.empty()
-                                        ? import_over_http(arguments, std::move(*files))
-                                        : import_into_file(arguments, *files);
+  const Result<client::ImportedMap> imported = arguments.database.empty()
+                                                   ? import_over_http(arguments, std::move(*files))
+                                                   : import_into_file(arguments, *files);
   if (!imported) return fail(imported.error());
   if (arguments.connection.print_curl) return kDone;
   for (const std::string& warning : imported->warnings)
@@ -96,6 +60,26 @@ int run_map_import(const MapImportArguments& arguments) {
   std::printf("%s: %zu features, revision %llu\n", arguments.name.c_str(), imported->features,
               static_cast<unsigned long long>(imported->revision));
   return kDone;
+}
+
+}  // namespace
+
+void add_map_import_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapImportArguments>();
+  CLI::App* command =
+      map.add_subcommand("import", "Make a map from a ROS occupancy map alone, without any scan");
+  command->footer(
+      "An occupancy map is a yaml and a pgm or png as ROS map_server has them. Features come from\n"
+      "simulated scans in its free space. Imported again, an occupancy map replaces the one that\n"
+      "the map was made from.");
+  add_map_name(*command, arguments->name);
+  command
+      ->add_option("YAML", arguments->yaml, "Yaml of the occupancy map; its image lies beside it")
+      ->required()
+      ->check(CLI::ExistingFile);
+  add_connection_options(*command, arguments->connection);
+  add_database_option(*command, arguments->database);
+  command->callback([arguments, &exit_code] { exit_code = run_map_import(*arguments); });
 }
 
 }  // namespace cornerfix::cli

@@ -1,20 +1,26 @@
-#include "cli/map_report.hpp"
-
 #include <chrono>
 #include <cstdio>
-#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/map_commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/server_options.hpp"
 #include "cli/table.hpp"
 
 namespace cornerfix::cli {
 
 namespace {
+
+struct MapReportArguments {
+  client::ConnectionOptions connection;
+  std::string name;
+  std::string picture;  ///< SVG to write; empty for none.
+};
 
 constexpr std::size_t kMaxRows = 10;
 constexpr std::chrono::milliseconds kPause{300};
@@ -33,7 +39,7 @@ std::string place_text(const nlohmann::json& place) {
 
 /// Asks until the report is made. A server that lets enough callers wait answers at once, hence the
 /// pause.
-Result<nlohmann::json> wait_for_report(ServerConnection& server, const std::string& path) {
+Result<nlohmann::json> wait_for_report(client::ServerConnection& server, const std::string& path) {
   Progress progress("simulating");
   for (;;) {
     Result<nlohmann::json> report = server.call({"GET", path + "?wait=2"});
@@ -45,7 +51,7 @@ Result<nlohmann::json> wait_for_report(ServerConnection& server, const std::stri
 
 void print_areas(const nlohmann::json& areas) {
   std::vector<std::vector<std::string>> rows = {
-      {"HARD AREA", "RADIUS", "WAY", "FOUND", "LOOKS LIKE", "BETTER START"}};
+      {"REGION", "RADIUS", "DISTANCE", "LOCALIZED", "ALIASED WITH", "BETTER START"}};
   for (const auto& area : areas) {
     if (rows.size() > kMaxRows) break;
     rows.push_back({place_text(area), text("%.1f m", area.value("radius_m", 0.0)),
@@ -66,26 +72,20 @@ void print_report(const nlohmann::json& report) {
     std::printf("- %s\n", sentence.c_str());
 }
 
-Result<void> write_picture(ServerConnection& server, const std::string& path,
+Result<void> write_picture(client::ServerConnection& server, const std::string& path,
                            const std::string& file_path) {
-  HttpRequest request{"GET", path + ".svg"};
+  client::HttpRequest request{"GET", path + ".svg"};
   request.answer_path = file_path;
   const Result<std::string> svg = server.fetch(request);
   if (!svg) return svg.error();
   if (server.is_printing()) return {};
-  std::ofstream file(file_path, std::ios::binary);
-  file.write(svg->data(), static_cast<std::streamsize>(svg->size()));
-  file.close();
-  if (!file) return Error{ErrorCode::kUnavailable, "cannot be written", file_path};
-  return {};
+  return write_file(file_path, *svg);
 }
 
-}  // namespace
-
 int run_map_report(const MapReportArguments& arguments) {
-  Result<ServerConnection> server = ServerConnection::open(arguments.connection);
+  Result<client::ServerConnection> server = client::ServerConnection::open(arguments.connection);
   if (!server) return fail(server.error());
-  const std::string path = "/v1/maps/" + percent_encode(arguments.name) + "/report";
+  const std::string path = "/v1/maps/" + client::percent_encode(arguments.name) + "/report";
   const Result<nlohmann::json> report =
       server->is_printing() ? server->call({"GET", path}) : wait_for_report(*server, path);
   if (!report) return fail(report.error());
@@ -93,6 +93,21 @@ int run_map_report(const MapReportArguments& arguments) {
   if (arguments.picture.empty()) return kDone;
   const Result<void> written = write_picture(*server, path, arguments.picture);
   return written ? kDone : fail(written.error());
+}
+
+}  // namespace
+
+void add_map_report_command(CLI::App& map, int& exit_code) {
+  auto arguments = std::make_shared<MapReportArguments>();
+  CLI::App* command =
+      map.add_subcommand("report", "Show where robots are localized in a map, and where not");
+  command->footer(
+      "Simulated robots are switched on all over the map's free space and drive until they are\n"
+      "localized. They have the map's lidar, or one of 180 deg with a range of 30 m.");
+  add_map_name(*command, arguments->name);
+  command->add_option("--picture", arguments->picture, "Draw it into this file (SVG)");
+  add_connection_options(*command, arguments->connection);
+  command->callback([arguments, &exit_code] { exit_code = run_map_report(*arguments); });
 }
 
 }  // namespace cornerfix::cli

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
-#include "cli/server_connection.hpp"
+#include "cli/server_options.hpp"
 #include "ros2/bridge.hpp"
 
 namespace cornerfix::cli {
@@ -22,7 +22,7 @@ constexpr const char* kLocalized = "localized";
 constexpr const char* kConfirmed = "confirmed";
 
 struct Ros2Arguments {
-  ServerAddress server;
+  client::ServerAddress server;
   std::string when = kLocalized;
   BridgeOptions bridge;
 };

@@ -1,17 +1,12 @@
-#include <cornerfix/map_image.hpp>
-
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "cli/command.hpp"
+#include "evaluation/simulation/scene_files.hpp"
 #include "evaluation/simulation/scenes.hpp"
 
 namespace cornerfix::cli {
@@ -25,36 +20,11 @@ struct SceneArguments {
   std::uint64_t change_seed = 1;
 };
 
-std::vector<std::string> kind_names() {
-  std::vector<std::string> names;
-  for (const evaluation::SceneKind kind : evaluation::all_scene_kinds())
-    names.emplace_back(to_string(kind));
-  return names;
-}
-
-Result<void> write_bytes(const std::filesystem::path& path, const char* bytes, std::size_t size) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(bytes, static_cast<std::streamsize>(size));
-  if (!file.flush()) return Error{ErrorCode::kStorageFull, "could not be written", path};
-  return {};
-}
-
-/// OUT.png and OUT.yaml; OUT may name the yaml.
-Result<void> write_map(std::filesystem::path out, const OccupancyGrid& grid) {
-  if (out.extension() == ".yaml") out.replace_extension();
-  const std::filesystem::path image = out.string() + ".png";
-  const std::vector<std::byte> png = encode_grid_png(grid);
-  Result<void> written = write_bytes(image, reinterpret_cast<const char*>(png.data()), png.size());
-  if (!written) return written;
-  const std::string yaml = encode_grid_yaml(grid, image.filename().string());
-  return write_bytes(out.string() + ".yaml", yaml.data(), yaml.size());
-}
-
 int run_scene(const SceneArguments& arguments) {
   const auto kind = evaluation::scene_kind_from_string(arguments.kind);
   const OccupancyGrid grid =
       evaluation::make_scene(*kind, arguments.layout_seed, arguments.change_seed);
-  const Result<void> written = write_map(arguments.out, grid);
+  const Result<void> written = evaluation::write_scene(arguments.out, grid);
   if (!written) return fail(written.error());
   const auto free = std::ranges::count(grid.cells, Cell::kFree);
   std::printf("%s: %.1f x %.1f m, %.0f m2 free\n", arguments.out.c_str(),
@@ -72,7 +42,7 @@ void add_scene_command(CLI::App& app, int& exit_code) {
   command->option_defaults()->always_capture_default();
   command->add_option("KIND", arguments->kind, "What to generate")
       ->required()
-      ->check(CLI::IsMember(kind_names()))
+      ->check(CLI::IsMember(evaluation::scene_kind_names()))
       ->capture_default_str();
   command->add_option("OUT", arguments->out, "Writes OUT.yaml and OUT.png")->required();
   command->add_option("--layout-seed", arguments->layout_seed,

@@ -18,7 +18,7 @@ check_style() {
   local status=0
   cmake -S . -B build/style -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DCORNERFIX_BUILD_TESTS=OFF >/dev/null
   cmake --build build/style --target cornerfix_ros_idl_generate >/dev/null  # its headers
-  run-clang-tidy -quiet -checks=-bugprone-suspicious-include -extra-arg=-Wno-unknown-warning-option -p build/style "(Unity|$PWD/(core|storage|api|server|evaluation|frames|ros2|cli))/.*" \
+  run-clang-tidy -quiet -checks=-bugprone-suspicious-include -extra-arg=-Wno-unknown-warning-option -p build/style "(Unity|$PWD/(core|storage|api|server|evaluation|frames|ros2|clients|cli))/.*" \
     >build/style/clang-tidy.log 2>&1 || status=1
   grep -E '(warning|error):' build/style/clang-tidy.log | sort -u && status=1
   return "$status"

@@ -10,12 +10,17 @@ foreach(line
     "core/src/slam/a.cpp|#include \"a.hpp\""
     "server/b.cpp|#include \"core/src/map/a.hpp\""
     "tests/unit/core/map/a_test.cpp|#include \"evaluation/metrics/a.hpp\""
-    "bench/rivals/a.cpp|#include \"cli/log_reader.hpp\""
+    "tests/system/a_test.cpp|#include \"cli/command.hpp\""
+    "bench/a.cpp|#include \"cli/command.hpp\""
+    "bench/rivals/a.cpp|#include \"evaluation/metrics/percentile.hpp\""
     "storage/a.cpp|#include <nlohmann/json.hpp>"
     "api/a.cpp|#include \"storage/database.hpp\""
-    "evaluation/metrics/a.hpp|#include \"cli/log_reader.hpp\""
+    "evaluation/metrics/a.hpp|#include \"cli/command.hpp\""
+    "evaluation/datasets/a.cpp|#include \"evaluation/metrics/percentile.hpp\""
+    "evaluation/datasets/a.hpp|#include <nlohmann/json.hpp>"
+    "clients/cpp/a.cpp|#include \"server/routes.hpp\""
     "server/a.hpp|#include <httplib.h>"
-    "frames/a.hpp|#include \"cli/log_reader.hpp\""
+    "frames/a.hpp|#include \"evaluation/datasets/log_reader.hpp\""
     "ros2/a.cpp|#include \"server/http_server.hpp\""
     "cli/a.cpp|#include <dds/dds.h>"
     "server/a.cpp|#include <sqlite3.h>"
@@ -27,8 +32,8 @@ foreach(line
   file(REMOVE_RECURSE "${tree}")
   file(WRITE "${tree}/${file}" "${text}\n")
   execute_process(COMMAND ${CMAKE_COMMAND} -D SOURCE_DIR=${tree} -P ${CMAKE_CURRENT_LIST_DIR}/layering_test.cmake
-    RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE told)
-  if(result EQUAL 0 OR NOT told MATCHES "${file}")
-    message(FATAL_ERROR "not found: ${file}: ${text}\n${told}")
+    RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE message)
+  if(result EQUAL 0 OR NOT message MATCHES "${file}")
+    message(FATAL_ERROR "not found: ${file}: ${text}\n${message}")
   endif()
 endforeach()

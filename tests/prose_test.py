@@ -21,8 +21,8 @@ MAX_WORDS = 30
 
 DOCUMENTS = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md", "bench/*/*.md"]
 DESCRIPTIONS = ["api/openapi.yaml"]
-CODE_FOLDERS = ["core", "evaluation", "storage", "api", "server", "frames", "ros2", "cli", "bench",
-                "tests", "docs/examples"]
+CODE_FOLDERS = ["core", "evaluation", "storage", "api", "server", "frames", "ros2", "clients", "cli",
+                "bench", "tests", "docs/examples"]
 CODE_SUFFIXES = {".hpp", ".cpp"}
 
 # Not a letter, digit, "_", "/", "." or "-" beside the word: names of files and code are no words.

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bench/experiments/contestants.hpp"
-#include "cli/evaluation.hpp"
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
+#include "evaluation/metrics/localization_score.hpp"
 
 namespace cornerfix::bench {
 
@@ -19,7 +19,7 @@ struct BuildingSource {
   std::string log;            ///< A recorded run; its first part maps, the rest asks.
   double split = 0.5;         ///< Share of the log that maps.
   bool even_odd = false;      ///< Every other scan maps instead: all of the building is mapped.
-  std::string floor_map;      ///< ROS map_server yaml: a simulated drive maps, another asks.
+  std::string floor_map;      ///< ROS map_server yaml: a simulated run maps, another asks.
   std::string inside;         ///< The building as it is when asked, in the frame of `floor_map`.
   double mapping_m = 1200.0;  ///< Of the simulated run that maps.
   double asking_m = 400.0;    ///< Of the one that asks.
@@ -32,7 +32,7 @@ void add_building_options(CLI::App& command, BuildingSource& source);
 struct Building {
   MappedBuilding mapped;
   std::vector<Point2> mapping_positions;  ///< Of the laser.
-  cli::RecordedLog log;
+  evaluation::RecordedLog log;
   std::size_t begin = 0;  ///< Index of the first scan of `log` that asks.
 };
 

@@ -6,13 +6,13 @@
 #include <random>
 #include <utility>
 
-#include "bench/experiments/processor_time.hpp"
 #include "bench/rivals/amcl.hpp"
 #include "bench/rivals/branch_and_bound.hpp"
 #include "bench/rivals/correlative_search.hpp"
 #include "bench/rivals/published_rma.hpp"
 #include "bench/rivals/search_rival.hpp"
 #include "core/src/search/map_index.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
 #endif
@@ -20,7 +20,9 @@
 namespace cornerfix::bench {
 namespace {
 
-using Search = std::function<ScanSearch(const cli::LogScan& first)>;
+using evaluation::thread_ms;
+
+using Search = std::function<ScanSearch(const evaluation::LogScan& first)>;
 using MakeRival = std::function<std::unique_ptr<Rival>()>;
 
 constexpr int kPyramidDepth = 7;              // the paper's setting for Cartographer
@@ -31,8 +33,8 @@ constexpr std::size_t kSearchedPoints = 100;  // Cartographer's filter of scans 
 constexpr double kSearchedSpacing = 0.9;      // [m] likewise
 
 /// A rival's answers in the terms of the score, each scan that it worked on timed.
-cli::ScoredRobot scored(std::unique_ptr<Rival> rival, const LocalizationMapPtr& map,
-                        ScanTimes& times) {
+evaluation::ScoredRobot scored(std::unique_ptr<Rival> rival, const LocalizationMapPtr& map,
+                               ScanTimes& times) {
   return [rival = std::shared_ptr<Rival>(std::move(rival)), map, &times,
           found = false](const RobotScan& scan) mutable {
     const double begin = thread_ms();
@@ -51,7 +53,7 @@ cli::ScoredRobot scored(std::unique_ptr<Rival> rival, const LocalizationMapPtr& 
 
 Contestant cornerfix(const std::string& name, const LocalizationMapPtr& map,
                      const LocalizerParams& params) {
-  return {name, map->bytes(), [map, params](const cli::LogScan&, ScanTimes& times) {
+  return {name, map->bytes(), [map, params](const evaluation::LogScan&, ScanTimes& times) {
             auto localizer = std::make_shared<Localizer>(std::vector{map}, params);
             return [localizer, &times, found = false](const RobotScan& scan) mutable {
               const double begin = thread_ms();
@@ -65,14 +67,14 @@ Contestant cornerfix(const std::string& name, const LocalizationMapPtr& map,
 
 Contestant rival(const std::string& name, std::size_t map_bytes, const LocalizationMapPtr& map,
                  const MakeRival& make) {
-  return {name, map_bytes, [map, make](const cli::LogScan&, ScanTimes& times) {
+  return {name, map_bytes, [map, make](const evaluation::LogScan&, ScanTimes& times) {
             return scored(make(), map, times);
           }};
 }
 
 Contestant by_search(const std::string& name, std::size_t map_bytes, const LocalizationMapPtr& map,
                      const Search& search) {
-  return {name, map_bytes, [map, search](const cli::LogScan& first, ScanTimes& times) {
+  return {name, map_bytes, [map, search](const evaluation::LogScan& first, ScanTimes& times) {
             return scored(std::make_unique<SearchRival>(search(first), map->index().field), map,
                           times);
           }};
@@ -93,7 +95,7 @@ std::shared_ptr<const BranchAndBoundMatcher> pyramid(const MappedBuilding& build
 
 /// A pose that is known as well as the window is wide; anywhere in it, but always the same for one
 /// scan.
-Pose2 somewhere_about(const cli::LogScan& first) {
+Pose2 somewhere_about(const evaluation::LogScan& first) {
   std::mt19937_64 random(static_cast<std::uint64_t>(1e3 * std::abs(first.scan.stamp)));
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   const Pose2& truth = *first.T_map_laser;
@@ -113,21 +115,22 @@ ScanSearch search_in(const std::shared_ptr<const BranchAndBoundMatcher>& matcher
 Contestant cartographer_full(const std::string& name, const MappedBuilding& building) {
   const auto matcher = pyramid(building);
   return by_search(name, matcher->bytes(), building.map,
-                   [matcher](const cli::LogScan&) { return search_in(matcher, {}); });
+                   [matcher](const evaluation::LogScan&) { return search_in(matcher, {}); });
 }
 
 Contestant cartographer_window(const std::string& name, const MappedBuilding& building) {
   const auto matcher = pyramid(building);
-  return by_search(name, matcher->bytes(), building.map, [matcher](const cli::LogScan& first) {
-    return search_in(matcher, {somewhere_about(first), kWindow, kWindowAngle});
-  });
+  return by_search(name, matcher->bytes(), building.map,
+                   [matcher](const evaluation::LogScan& first) {
+                     return search_in(matcher, {somewhere_about(first), kWindow, kWindowAngle});
+                   });
 }
 
 Contestant correlative_icp(const std::string& name, const MappedBuilding& building) {
   const LocalizationMapPtr map = building.map;
   const auto search = std::make_shared<const CorrelativeSearch>(map->grid(), map->index().field);
   return by_search(name, field_bytes(map) + search->bytes(), map,
-                   [search](const cli::LogScan&) -> ScanSearch {
+                   [search](const evaluation::LogScan&) -> ScanSearch {
                      return [search](std::span<const Point2> ends) { return search->find(ends); };
                    });
 }
@@ -141,7 +144,8 @@ Contestant published_rma(const std::string& name, const MappedBuilding& building
 /// A judge compares maps by identity, and there is one building only.
 Contestant in_building(Contestant contestant, const LocalizationMapPtr& map) {
   contestant.switch_on = [inner = std::move(contestant.switch_on), map](
-                             const cli::LogScan& first, ScanTimes& times) -> cli::ScoredRobot {
+                             const evaluation::LogScan& first,
+                             ScanTimes& times) -> evaluation::ScoredRobot {
     return [robot = inner(first, times), map](const RobotScan& scan) {
       Answer answer = robot(scan);
       if (answer.pose) answer.pose->map = map;

@@ -9,7 +9,7 @@
 
 #include <cornerfix/localization_map.hpp>
 
-#include "cli/evaluation.hpp"
+#include "evaluation/metrics/localization_score.hpp"
 
 namespace cornerfix::bench {
 
@@ -37,7 +37,8 @@ struct ScanTimes {
 struct Contestant {
   std::string method;
   std::size_t map_bytes = 0;
-  std::function<cli::ScoredRobot(const cli::LogScan& first, ScanTimes& times)> switch_on;
+  std::function<evaluation::ScoredRobot(const evaluation::LogScan& first, ScanTimes& times)>
+      switch_on;
 };
 
 /// Names that make_contestant() knows in this build, in the order of reports.

@@ -11,10 +11,10 @@
 
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/processor_time.hpp"
 #include "bench/rivals/loam_corners.hpp"
 #include "core/src/features/feature_map.hpp"
 #include "core/src/scan/vfp_corners.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 #include "support/floor_plans.hpp"
 #include "support/scan_simulator.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
@@ -24,8 +24,10 @@
 namespace cornerfix::bench {
 namespace {
 
+using evaluation::thread_ms;
+
 constexpr double kSuppressionRadius = 1.0;  // [m] for all, as in the paper
-constexpr double kRightDistance = 0.1;      // [m] likewise
+constexpr double kCornerTolerance = 0.1;    // [m] likewise
 constexpr double kSeenArm = 0.6;            // [m] of both walls in sight: must be found
 
 struct CornersArguments {
@@ -93,7 +95,7 @@ struct Counts {
 
 bool has_near(const std::vector<Point2>& points, const Point2& point) {
   return std::ranges::any_of(
-      points, [&](const Point2& other) { return (other - point).norm() <= kRightDistance; });
+      points, [&](const Point2& other) { return (other - point).norm() <= kCornerTolerance; });
 }
 
 struct Found {

@@ -13,10 +13,13 @@
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/statistics.hpp"
+#include "evaluation/metrics/percentile.hpp"
 
 namespace cornerfix::bench {
 namespace {
+
+using evaluation::mean;
+using evaluation::percentile;
 
 struct ManyMapsArguments {
   BuildingSource building;
@@ -79,8 +82,8 @@ class MapCollection {
 std::vector<OccupancyGrid> other_buildings(const ManyMapsArguments& arguments) {
   std::vector<OccupancyGrid> grids;
   for (const std::string& path : arguments.logs) {
-    const cli::RecordedLog log = value_or_exit(cli::read_log(path));
-    grids.push_back(cli::map_from(log, log.scans.size(), {}).map->grid());
+    const evaluation::RecordedLog log = value_or_exit(evaluation::read_log(path));
+    grids.push_back(evaluation::map_from(log, log.scans.size(), {}).map->grid());
   }
   for (const std::string& path : arguments.floor_maps)
     grids.push_back(value_or_exit(read_map_files(path)));
@@ -109,7 +112,7 @@ void run(const ManyMapsArguments& arguments) {
   const std::vector<LocalizationMapPtr> all = maps_about(building, arguments);
   CsvFile table(arguments.out / ("many_maps_" + building.mapped.name + ".csv"),
                 "building,maps,starts,right,wrong,way_p50_m,way_p90_m,mean_ms,p50_ms,p95_ms");
-  cli::EvaluationOptions options;
+  evaluation::EvaluationOptions options;
   options.starts = arguments.starts;
   options.batch = 1;
   options.track_m = 0.0;
@@ -117,19 +120,20 @@ void run(const ManyMapsArguments& arguments) {
     int starts = 0;
     int right = 0;
     int wrong = 0;
-    std::vector<double> ways;
+    std::vector<double> distances_m;
     std::vector<double> ms;
-    for (const cli::StartRecord& record : cli::evaluate(
+    for (const evaluation::StartRecord& record : evaluation::evaluate(
              building.log, building.begin, maps, 0, building.mapping_positions, options, nullptr)) {
       if (record.near_m > options.near_m || !record.counts) continue;
       ++starts;
-      right += record.verdict == cli::Verdict::kFixed ? 1 : 0;
-      wrong += record.verdict == cli::Verdict::kFalse ? 1 : 0;
-      if (record.verdict == cli::Verdict::kFixed) ways.push_back(record.way_m.value_or(0.0));
+      right += record.verdict == evaluation::Verdict::kCorrect ? 1 : 0;
+      wrong += record.verdict == evaluation::Verdict::kWrong ? 1 : 0;
+      if (record.verdict == evaluation::Verdict::kCorrect)
+        distances_m.push_back(record.localized_after_m.value_or(0.0));
       std::ranges::copy(record.searching_ms, std::back_inserter(ms));
     }
-    table.row(building.mapped.name, maps.size(), starts, right, wrong, percentile(ways, 0.5),
-              percentile(ways, 0.9), mean(ms), percentile(ms, 0.5), percentile(ms, 0.95));
+    table.row(building.mapped.name, maps.size(), starts, right, wrong, percentile(distances_m, 0.5),
+              percentile(distances_m, 0.9), mean(ms), percentile(ms, 0.5), percentile(ms, 0.95));
     std::printf("%s among %zu: %d starts, %d right, %d wrong, %.2f ms a scan\n",
                 building.mapped.name.c_str(), maps.size(), starts, right, wrong, mean(ms));
     std::fflush(stdout);
@@ -141,9 +145,9 @@ void run(const ManyMapsArguments& arguments) {
 void add_many_maps_experiment(CLI::App& app) {
   auto arguments = std::make_shared<ManyMapsArguments>();
   CLI::App* command =
-      app.add_subcommand("maps", "A robot that is told its map, and the same robot among many");
+      app.add_subcommand("maps", "A robot that is given its map, and the same robot among many");
   add_building_options(*command, arguments->building);
-  command->add_option("--logs", arguments->logs, "Recorded drives in other buildings")
+  command->add_option("--logs", arguments->logs, "Recorded runs in other buildings")
       ->delimiter(',')
       ->check(CLI::ExistingFile);
   command->add_option("--floor-maps", arguments->floor_maps, "Yamls of other buildings")
@@ -151,7 +155,7 @@ void add_many_maps_experiment(CLI::App& app) {
       ->check(CLI::ExistingFile);
   command->add_option("--maps", arguments->maps, "How many, the right one among them")
       ->check(CLI::PositiveNumber);
-  command->add_option("--starts", arguments->starts, "Robots switched on along the drive")
+  command->add_option("--starts", arguments->starts, "Robots switched on along the run")
       ->check(CLI::PositiveNumber);
   add_out_option(*command, arguments->out);
   command->callback([arguments] { run(*arguments); });

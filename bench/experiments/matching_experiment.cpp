@@ -10,22 +10,24 @@
 
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/processor_time.hpp"
-#include "bench/experiments/statistics.hpp"
 #include "core/src/matching/descriptor_matcher.hpp"
 #include "core/src/matching/pose_estimator.hpp"
 #include "core/src/matching/triangle_index.hpp"
+#include "evaluation/metrics/percentile.hpp"
+#include "evaluation/metrics/pose_error.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 #include "support/feature_fields.hpp"
 
 namespace cornerfix::bench {
 namespace {
 
+using evaluation::mean;
+using evaluation::thread_ms;
+
 constexpr double kSide = 50.0;               // [m] of the square of figure 8
 constexpr double kOverlap = 0.5;             // N / N_local of figure 8
 constexpr int kMinVotes = 3;                 // S_t
 constexpr std::size_t kSubmapFeatures = 50;  // in the sweeps and in large maps
-constexpr double kRightDistance = 0.5;       // [m]
-constexpr double kRightAngle = 0.0873;       // 5 deg
 
 struct MatchingArguments {
   std::size_t trials = 100;
@@ -39,7 +41,7 @@ struct Matched {
 };
 
 bool same_pose(const std::optional<Pose2>& a, const Pose2& b) {
-  return a && distance(*a, b) <= kRightDistance && angle_between(*a, b) <= kRightAngle;
+  return a && evaluation::is_correct(evaluation::pose_error(*a, b));
 }
 
 /// A map of features as each method wants it.

@@ -10,19 +10,23 @@
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/processor_time.hpp"
-#include "bench/experiments/statistics.hpp"
+#include "evaluation/metrics/percentile.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 
 namespace cornerfix::bench {
 namespace {
+
+using evaluation::mean;
+using evaluation::percentile;
+using evaluation::thread_ms;
 
 struct RobotsArguments {
   BuildingSource building;
   std::vector<std::string> methods = contestant_names();
   std::size_t starts = 50;
-  double near_m = 1.0;    ///< Starts farther from every mapping pose are left out.
-  double way_m = 20.0;    ///< Driving allowed until localized.
-  double time_s = 180.0;  ///< The paper's limit, for driving and for computing.
+  double near_m = 1.0;           ///< Starts farther from every mapping pose are left out.
+  double max_distance_m = 20.0;  ///< Driving allowed until localized.
+  double max_time_s = 180.0;     ///< The paper's limit, for driving and for computing.
   std::filesystem::path out = ".";
 };
 
@@ -32,7 +36,8 @@ double sum(const std::vector<double>& values) {
 
 /// The robot, which gives no more answers once its search has taken longer than allowed. The scan
 /// in which the time ran out counts.
-cli::ScoredRobot in_time(cli::ScoredRobot robot, const ScanTimes& times, double allowed_s) {
+evaluation::ScoredRobot in_time(evaluation::ScoredRobot robot, const ScanTimes& times,
+                                double allowed_s) {
   return [robot = std::move(robot), &times, allowed_s, counted = times.searching_ms.size(),
           spent_ms = 0.0](const RobotScan& scan) mutable {
     if (spent_ms > 1e3 * allowed_s) return Answer{};
@@ -42,13 +47,13 @@ cli::ScoredRobot in_time(cli::ScoredRobot robot, const ScanTimes& times, double 
   };
 }
 
-const char* verdict_name(cli::Verdict verdict) {
+const char* verdict_name(evaluation::Verdict verdict) {
   switch (verdict) {
-    case cli::Verdict::kFixed:
+    case evaluation::Verdict::kCorrect:
       return "fixed";
-    case cli::Verdict::kFalse:
+    case evaluation::Verdict::kWrong:
       return "wrong";
-    case cli::Verdict::kNone:
+    case evaluation::Verdict::kNone:
       break;
   }
   return "none";
@@ -75,12 +80,12 @@ class RobotsExperiment {
     return arguments_.out / (kind + "_" + arguments_.building.name + ".csv");
   }
 
-  [[nodiscard]] cli::EvaluationOptions options() const {
-    cli::EvaluationOptions options;
+  [[nodiscard]] evaluation::EvaluationOptions options() const {
+    evaluation::EvaluationOptions options;
     options.starts = arguments_.starts;
     options.near_m = arguments_.near_m;
-    options.way_m = arguments_.way_m;
-    options.time_s = arguments_.time_s;
+    options.max_distance_m = arguments_.max_distance_m;
+    options.max_time_s = arguments_.max_time_s;
     options.batch = 1;
     return options;
   }
@@ -90,13 +95,14 @@ class RobotsExperiment {
     const Contestant contestant = make_contestant(method, building_.mapped);
     ScanTimes times;
     std::vector<double> searching_of_robot;  // sums before each robot, in the order of starts
-    cli::EvaluationOptions options = this->options();
-    options.make_robot = [&](const cli::LogScan& first) {
+    evaluation::EvaluationOptions options = this->options();
+    options.make_robot = [&](const evaluation::LogScan& first) {
       searching_of_robot.push_back(sum(times.searching_ms));
-      return in_time(contestant.switch_on(first, times), times, arguments_.time_s);
+      return in_time(contestant.switch_on(first, times), times, arguments_.max_time_s);
     };
-    const auto records = cli::evaluate(building_.log, building_.begin, {building_.mapped.map}, 0,
-                                       building_.mapping_positions, options, nullptr);
+    const auto records =
+        evaluation::evaluate(building_.log, building_.begin, {building_.mapped.map}, 0,
+                             building_.mapping_positions, options, nullptr);
     searching_of_robot.push_back(sum(times.searching_ms));
     std::size_t counted = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
@@ -112,21 +118,23 @@ class RobotsExperiment {
     std::fflush(stdout);
   }
 
-  [[nodiscard]] bool counts(const cli::StartRecord& record) const {
+  [[nodiscard]] bool counts(const evaluation::StartRecord& record) const {
     return record.counts && record.near_m <= arguments_.near_m;
   }
 
-  void write_start(const std::string& method, const cli::StartRecord& record, double searching_ms) {
-    const bool answered = record.verdict != cli::Verdict::kNone;
+  void write_start(const std::string& method, const evaluation::StartRecord& record,
+                   double searching_ms) {
+    const bool answered = record.verdict != evaluation::Verdict::kNone;
     const auto if_answered = [answered](double value) {
       return answered ? std::to_string(value) : std::string();
     };
     starts_.row(building_.mapped.name, method, record.start, verdict_name(record.verdict),
-                if_answered(record.way_m.value_or(0.0)), if_answered(record.seconds.value_or(0.0)),
-                if_answered(record.error_m), if_answered(record.error_rad),
-                if_answered(record.pose.x), if_answered(record.pose.y),
-                if_answered(record.pose.yaw), if_answered(record.truth.x),
-                if_answered(record.truth.y), if_answered(record.truth.yaw), searching_ms);
+                if_answered(record.localized_after_m.value_or(0.0)),
+                if_answered(record.localized_after_s.value_or(0.0)), if_answered(record.error_m),
+                if_answered(record.error_rad), if_answered(record.pose.x),
+                if_answered(record.pose.y), if_answered(record.pose.yaw),
+                if_answered(record.truth.x), if_answered(record.truth.y),
+                if_answered(record.truth.yaw), searching_ms);
   }
 
   void write_times(const std::string& method, const char* phase, const std::vector<double>& ms,
@@ -136,12 +144,12 @@ class RobotsExperiment {
                percentile(ms, 0.95), percentile(ms, 1.0), contestant.map_bytes, times.robot_bytes);
   }
 
-  /// The way that asks, and the walls as the map has them, for figures.
+  /// The path that asks, and the walls as the map has them, for figures.
   void write_way() {
-    CsvFile way(file("way"), "scan,x_m,y_m");
+    CsvFile path(file("way"), "scan,x_m,y_m");
     for (std::size_t i = building_.begin; i < building_.log.scans.size(); i += 5) {
       const auto& pose = building_.log.scans[i].T_map_laser;
-      if (pose) way.row(i, pose->x, pose->y);
+      if (pose) path.row(i, pose->x, pose->y);
     }
     CsvFile walls(file("walls"), "x_m,y_m");
     const OccupancyGrid& grid = building_.mapped.map->grid();
@@ -170,13 +178,14 @@ void add_robots_experiment(CLI::App& app) {
   command->add_option("--methods", arguments->methods, "Which ones")
       ->delimiter(',')
       ->check(CLI::IsMember(contestant_names()));
-  command->add_option("--starts", arguments->starts, "Robots switched on along the drive")
+  command->add_option("--starts", arguments->starts, "Robots switched on along the run")
       ->check(CLI::PositiveNumber);
   command->add_option("--near", arguments->near_m,
                       "Metres from a mapping pose that a start may be");
-  command->add_option("--way", arguments->way_m, "Metres of driving allowed until the fix");
-  command->add_option("--time", arguments->time_s,
-                      "Seconds allowed until the fix, of driving and of computing");
+  command->add_option("--way", arguments->max_distance_m,
+                      "Metres of driving allowed until localized");
+  command->add_option("--time", arguments->max_time_s,
+                      "Seconds allowed until localized, of driving and of computing");
   add_out_option(*command, arguments->out);
   command->callback([arguments] { RobotsExperiment(*arguments).run(); });
 }

@@ -9,10 +9,11 @@
 #include "bench/experiments/buildings.hpp"
 #include "bench/experiments/csv_file.hpp"
 #include "bench/experiments/experiment.hpp"
-#include "bench/experiments/processor_time.hpp"
-#include "bench/experiments/statistics.hpp"
 #include "bench/rivals/amcl.hpp"
 #include "core/src/search/map_index.hpp"
+#include "evaluation/metrics/percentile.hpp"
+#include "evaluation/metrics/pose_error.hpp"
+#include "evaluation/metrics/processor_time.hpp"
 #ifdef CORNERFIX_BENCH_HAS_EXTERNAL
 #include "bench/external/mrpt_localizer.hpp"
 #endif
@@ -20,13 +21,14 @@
 namespace cornerfix::bench {
 namespace {
 
-constexpr double kRightDistance = 0.5;   // [m]
-constexpr double kRightAngle = 0.08727;  // 5 deg
+using evaluation::mean;
+using evaluation::percentile;
+using evaluation::thread_ms;
 
 struct TrackingArguments {
   BuildingSource building;
   std::size_t starts = 5;
-  double way_m = 20.0;  ///< That each robot is followed.
+  double distance_m = 20.0;  ///< That each robot is followed.
   std::filesystem::path out = ".";
 };
 
@@ -37,9 +39,7 @@ struct Tracked {
   std::size_t wrong = 0;
 
   void judge(const Pose2& said, const Pose2& truth) {
-    const bool is_right =
-        distance(said, truth) <= kRightDistance && angle_between(said, truth) <= kRightAngle;
-    ++(is_right ? right : wrong);
+    ++(evaluation::is_correct(evaluation::pose_error(said, truth)) ? right : wrong);
   }
 };
 
@@ -76,14 +76,14 @@ class TrackingExperiment {
   }
 
  private:
-  /// Calls `follow` with each scan of each robot's way; `first` at its start.
+  /// Calls `follow` with each scan of each robot's path; `first` at its start.
   template <typename Follow>
   void drive(const Follow& follow) const {
     for (std::size_t i = 0; i < arguments_.starts; ++i) {
       const std::size_t start = i * order_.size() / arguments_.starts;
       double driven = 0.0;
-      for (std::size_t k = start; k < order_.size() && driven <= arguments_.way_m; ++k) {
-        const cli::LogScan& scan = building_.log.scans[order_[k]];
+      for (std::size_t k = start; k < order_.size() && driven <= arguments_.distance_m; ++k) {
+        const evaluation::LogScan& scan = building_.log.scans[order_[k]];
         if (k > start) {
           driven += distance(*scan.T_map_laser, *building_.log.scans[order_[k - 1]].T_map_laser);
         }
@@ -97,7 +97,7 @@ class TrackingExperiment {
     Tracked tracked;
     std::unique_ptr<Localizer> localizer;
     bool found = false;
-    drive([&](const cli::LogScan& scan, bool first) {
+    drive([&](const evaluation::LogScan& scan, bool first) {
       if (first) {
         localizer =
             std::make_unique<Localizer>(std::vector{building_.mapped.map}, LocalizerParams{});
@@ -128,7 +128,7 @@ class TrackingExperiment {
   [[nodiscard]] Tracked track_by_rival(const Make& make) const {
     Tracked tracked;
     std::unique_ptr<Rival> rival;
-    drive([&](const cli::LogScan& scan, bool first) {
+    drive([&](const evaluation::LogScan& scan, bool first) {
       if (first) rival = make(*scan.T_map_laser);
       const double begin = thread_ms();
       const RivalAnswer answer = rival->process({scan.scan, {}, scan.T_odom_laser});
@@ -152,7 +152,7 @@ void add_tracking_experiment(CLI::App& app) {
       "tracking", "What following a robot costs, by Cornerfix and by Monte Carlo");
   add_building_options(*command, arguments->building);
   command->add_option("--starts", arguments->starts, "Robots followed")->check(CLI::PositiveNumber);
-  command->add_option("--way", arguments->way_m, "Metres that each is followed");
+  command->add_option("--way", arguments->distance_m, "Metres that each is followed");
   add_out_option(*command, arguments->out);
   command->callback([arguments] { TrackingExperiment(*arguments).run(); });
 }

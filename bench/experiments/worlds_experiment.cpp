@@ -113,8 +113,9 @@ std::vector<Pose2> way_through(const World& world, double yaw) {
   return poses;
 }
 
-cli::RecordedLog record(const std::string& name, const std::vector<testing::Moment>& moments) {
-  cli::RecordedLog log;
+evaluation::RecordedLog record(const std::string& name,
+                               const std::vector<testing::Moment>& moments) {
+  evaluation::RecordedLog log;
   log.header.name = name;
   for (const testing::Moment& moment : moments) {
     log.scans.push_back(
@@ -147,35 +148,36 @@ class WorldsExperiment {
         .lidar = {.beams = 721, .field_of_view_rad = std::numbers::pi, .noise_m = 0.01},
         .odometry_scale = 1.01};
     const double yaw = static_cast<double>(seed);
-    const cli::RecordedLog log =
+    const evaluation::RecordedLog log =
         record(kind, testing::drive(world.now, robot, way_through(world, yaw), seed));
     const std::size_t corners =
         extract_corners(log.scans.front().scan, CornerExtractor::kLineIntersection).size();
     for (const std::string& method : arguments_.methods) {
       const Contestant contestant = make_contestant(method, building);
       ScanTimes times;
-      cli::EvaluationOptions options;
+      evaluation::EvaluationOptions options;
       options.starts = 1;
       options.batch = 1;
       options.track_m = 0.0;
-      options.make_robot = [&](const cli::LogScan& first) {
+      options.make_robot = [&](const evaluation::LogScan& first) {
         return contestant.switch_on(first, times);
       };
       const auto records =
-          cli::evaluate(log, 0, {building.map}, 0, {world.start}, options, nullptr);
+          evaluation::evaluate(log, 0, {building.map}, 0, {world.start}, options, nullptr);
       write(kind, seed, method, records.front(), corners);
     }
   }
 
   void write(const std::string& kind, std::uint64_t seed, const std::string& method,
-             const cli::StartRecord& record, std::size_t corners) {
-    if (record.verdict == cli::Verdict::kNone) {
+             const evaluation::StartRecord& record, std::size_t corners) {
+    if (record.verdict == evaluation::Verdict::kNone) {
       table_.row(kind, seed, method, "none", "", "", "", "", corners, "", "");
       return;
     }
-    table_.row(kind, seed, method, record.verdict == cli::Verdict::kFixed ? "fixed" : "wrong",
-               *record.way_m, *record.seconds, record.error_m, record.error_rad, corners,
-               record.truth.x, record.truth.y);
+    table_.row(kind, seed, method,
+               record.verdict == evaluation::Verdict::kCorrect ? "fixed" : "wrong",
+               *record.localized_after_m, *record.localized_after_s, record.error_m,
+               record.error_rad, corners, record.truth.x, record.truth.y);
   }
 
   /// The first world of a kind, for a figure; the start is a wall without length.

@@ -110,10 +110,10 @@ void Amcl::move(const Pose2& before, const Pose2& now) {
   for (Particle& particle : particles_) {
     Pose2& pose = particle.T_map_base_link;
     const double first = rotation1 - sigma1 * normal(random_);
-    const double way = translation - sigma_translation * normal(random_);
+    const double length = translation - sigma_translation * normal(random_);
     const double second = rotation2 - sigma2 * normal(random_);
-    pose.x += way * std::cos(pose.yaw + first);
-    pose.y += way * std::sin(pose.yaw + first);
+    pose.x += length * std::cos(pose.yaw + first);
+    pose.y += length * std::sin(pose.yaw + first);
     pose.yaw = wrap_angle(pose.yaw + first + second);
   }
 }

@@ -67,9 +67,9 @@ class OddsGrid {
 
   void pass(const Point2& origin, const Point2& end) {
     const double half_cell = 0.5 * frame_.resolution;
-    const Point2 way = end - origin;
-    const int steps = static_cast<int>(way.norm() / half_cell);
-    for (int i = 0; i < steps; ++i) update(cell(origin + way * i / steps), miss_);
+    const Point2 ray = end - origin;
+    const int steps = static_cast<int>(ray.norm() / half_cell);
+    for (int i = 0; i < steps; ++i) update(cell(origin + ray * i / steps), miss_);
   }
 
   const ProbabilityGrid& frame_;

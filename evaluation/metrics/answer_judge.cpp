@@ -17,17 +17,18 @@ double nees_of(const LocalizedPose& pose, const Pose2& reference) {
 
 }  // namespace
 
-void AnswerJudge::take(const Answer& answer, const Pose2& reference, bool exact, double driven_m) {
-  note_driven(driven_m);
+void AnswerJudge::take(const Answer& answer, const Pose2& reference, bool exact,
+                       double distance_traveled_m) {
+  note_driven(distance_traveled_m);
   if (answer.status != Status::kLocalized) {
     judge_pending();
-    note_driven(driven_m);
+    note_driven(distance_traveled_m);
     wrong_since_m_.reset();
     localized_ = false;
     return;
   }
-  const Pending now{*answer.pose, answer.confidence, reference, driven_m};
-  if (!localized_at_m_) localized_at_m_ = driven_m;
+  const Pending now{*answer.pose, answer.confidence, reference, distance_traveled_m};
+  if (!localized_at_m_) localized_at_m_ = distance_traveled_m;
   if (!localized_) pending_ = now;
   localized_ = true;
   if (!exact) return;
@@ -52,7 +53,7 @@ void AnswerJudge::judge(const Pending& answer, double max_angle) {
                             .correct = in_right_map && is_correct(error, max_angle),
                             .confidence = answer.confidence,
                             .nees = nees_of(answer.pose, answer.reference),
-                            .driven_m = answer.driven_m};
+                            .distance_traveled_m = answer.distance_traveled_m};
   ++judged_;
   forecasts_.push_back({judged.confidence, judged.correct});
   if (first_) {
@@ -65,7 +66,7 @@ void AnswerJudge::judge(const Pending& answer, double max_angle) {
   } else {
     ++wrong_;
     if (!first_wrong_) first_wrong_ = judged;
-    if (!wrong_since_m_) wrong_since_m_ = judged.driven_m;
+    if (!wrong_since_m_) wrong_since_m_ = judged.distance_traveled_m;
   }
 }
 
@@ -75,8 +76,9 @@ void AnswerJudge::judge_pending() {
   pending_.reset();
 }
 
-void AnswerJudge::note_driven(double driven_m) {
-  if (wrong_since_m_) longest_wrong_m_ = std::max(longest_wrong_m_, driven_m - *wrong_since_m_);
+void AnswerJudge::note_driven(double distance_traveled_m) {
+  if (wrong_since_m_)
+    longest_wrong_m_ = std::max(longest_wrong_m_, distance_traveled_m - *wrong_since_m_);
 }
 
 }  // namespace cornerfix::evaluation

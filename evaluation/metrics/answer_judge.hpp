@@ -23,7 +23,7 @@ struct JudgedAnswer {
   bool correct = false;
   double confidence = 0.0;
   double nees = 0.0;  ///< Normalised estimation error squared; 3 on average if covariance is right.
-  double driven_m = 0.0;  ///< Path length from the start of the robot.
+  double distance_traveled_m = 0.0;  ///< From the start of the robot.
 };
 
 /// What happened to the wrong poses of a robot.
@@ -42,13 +42,14 @@ enum class Withdrawal {
 /// that keyframe.
 class AnswerJudge {
  public:
-  /// \param right_map  The map that holds the place; null if none does: every answer is wrong then.
+  /// \param right_map  The map that holds the surroundings; null if none does: every answer is
+  /// wrong then.
   explicit AnswerJudge(LocalizationMapPtr right_map) : right_map_(std::move(right_map)) {}
 
   /// \param reference  Pose of base_link at the answer's last scan.
   /// \param exact      Whether the reference may be compared to kCorrectAngle.
-  /// \param driven_m   Path length so far; never less than at the call before.
-  void take(const Answer& answer, const Pose2& reference, bool exact, double driven_m);
+  /// \param distance_traveled_m   Path length so far; never less than at the call before.
+  void take(const Answer& answer, const Pose2& reference, bool exact, double distance_traveled_m);
 
   /// Judges what the end of the run leaves open.
   void finish();
@@ -78,12 +79,12 @@ class AnswerJudge {
     LocalizedPose pose;
     double confidence = 0.0;
     Pose2 reference;
-    double driven_m = 0.0;
+    double distance_traveled_m = 0.0;
   };
 
   void judge(const Pending& answer, double max_angle);
   void judge_pending();
-  void note_driven(double driven_m);
+  void note_driven(double distance_traveled_m);
 
   LocalizationMapPtr right_map_;
   bool localized_ = false;          ///< At the last answer.

@@ -1,7 +1,8 @@
-/// \file  Percentiles and means of measured values.
+/// \file  Percentiles and means of measured values: the one definition, for every score.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
@@ -22,5 +23,8 @@ namespace cornerfix::evaluation {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
+
+/// As figures are printed.
+[[nodiscard]] inline double to_four_decimals(double value) { return std::round(1e4 * value) / 1e4; }
 
 }  // namespace cornerfix::evaluation

@@ -59,6 +59,12 @@ const std::vector<SceneKind>& all_scene_kinds() {
   return kinds;
 }
 
+std::vector<std::string> scene_kind_names() {
+  std::vector<std::string> names;
+  for (const SceneKind kind : all_scene_kinds()) names.emplace_back(to_string(kind));
+  return names;
+}
+
 OccupancyGrid make_scene(SceneKind kind, std::uint64_t layout_seed, std::uint64_t change_seed) {
   const auto stream = static_cast<std::uint32_t>(kind);
   // The change depends on the layout seed as well, or all layouts would change alike.

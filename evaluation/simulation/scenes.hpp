@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +29,7 @@ enum class SceneKind : std::uint8_t {
 [[nodiscard]] std::optional<SceneKind> scene_kind_from_string(std::string_view name);
 [[nodiscard]] std::string_view to_string(SceneKind kind);
 [[nodiscard]] const std::vector<SceneKind>& all_scene_kinds();
+[[nodiscard]] std::vector<std::string> scene_kind_names();
 
 /// The occupancy map of one place, 0.05 m per cell. Same kind and seeds, same map. Two change seeds
 /// of one layout seed give maps in one frame. Free space is connected. Cells that beams pass and

@@ -8,11 +8,11 @@
 #include <fstream>
 #include <string>
 
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
 
 namespace {
 
-using cornerfix::cli::LogReader;
+using cornerfix::evaluation::LogReader;
 
 /// The readers take files; one in memory, for this process alone.
 const std::filesystem::path& input_file() {

@@ -2,9 +2,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "unit/cli/bag/bag_writers.hpp"
+#include "unit/evaluation/datasets/bag/bag_writers.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 std::vector<std::vector<WrittenMessage>> drive(WireFormat format) {
@@ -43,10 +43,10 @@ void write_all(const std::filesystem::path& directory) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
-  cornerfix::cli::write_all(argv[1]);
+  cornerfix::evaluation::write_all(argv[1]);
   return 0;
 }

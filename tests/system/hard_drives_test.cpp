@@ -11,15 +11,13 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/map_image.hpp>
 
-#include "cli/drive_simulator.hpp"
-#include "cli/evaluation.hpp"
+#include "evaluation/metrics/localization_score.hpp"
+#include "evaluation/simulation/run_simulator.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRightMetres = 0.5;
-constexpr double kRightRadians = 5.0 * kPi / 180.0;
 constexpr std::uint64_t kSeeds[] = {11, 12, 13};
 
 const OccupancyGrid& building() {
@@ -32,7 +30,7 @@ const OccupancyGrid& building() {
 const LocalizationMapPtr& building_map() {
   static const LocalizationMapPtr map = [] {
     const auto log =
-        simulate_drive(building(), {.beams = 541, .length_m = 500.0, .step_m = 0.4, .seed = 1});
+        simulate_run(building(), {.beams = 541, .length_m = 500.0, .step_m = 0.4, .seed = 1});
     return map_from(*log, log->scans.size(), {}).map;
   }();
   return map;
@@ -44,9 +42,9 @@ struct Moment {
   Pose2 T_map_base_link;
 };
 
-std::vector<Moment> moments_of(DriveOptions options, std::uint64_t seed) {
+std::vector<Moment> moments_of(RunOptions options, std::uint64_t seed) {
   options.seed = seed;
-  const auto log = simulate_drive(building(), options);
+  const auto log = simulate_run(building(), options);
   EXPECT_TRUE(log.ok()) << log.error().message;
   std::vector<Moment> moments;
   for (const LogScan& scan : log->scans) {
@@ -55,7 +53,7 @@ std::vector<Moment> moments_of(DriveOptions options, std::uint64_t seed) {
   return moments;
 }
 
-DriveOptions drive_with(double field_of_view_rad, std::size_t beams, double range_max_m) {
+RunOptions drive_with(double field_of_view_rad, std::size_t beams, double range_max_m) {
   return {.field_of_view_rad = field_of_view_rad,
           .beams = beams,
           .range_max_m = range_max_m,
@@ -64,7 +62,7 @@ DriveOptions drive_with(double field_of_view_rad, std::size_t beams, double rang
 }
 
 /// 270 degrees, 541 beams, 30 m.
-DriveOptions usual_drive() { return drive_with(1.5 * kPi, 541, 30.0); }
+RunOptions usual_drive() { return drive_with(1.5 * kPi, 541, 30.0); }
 
 struct Outcome {
   std::size_t localized = 0;
@@ -81,9 +79,7 @@ Outcome outcome_of(const std::vector<Moment>& moments) {
     if (!answer.pose) continue;
     ++outcome.localized;
     const Pose2& pose = answer.pose->T_map_base_link;
-    const bool right = distance(pose, moment.T_map_base_link) <= kRightMetres &&
-                       angle_between(pose, moment.T_map_base_link) <= kRightRadians;
-    outcome.wrong += right ? 0 : 1;
+    outcome.wrong += is_correct(pose_error(pose, moment.T_map_base_link)) ? 0 : 1;
   }
   return outcome;
 }
@@ -91,7 +87,7 @@ Outcome outcome_of(const std::vector<Moment>& moments) {
 using Trouble = std::function<void(std::vector<Moment>&, std::mt19937_64&)>;
 
 /// Every run ends with a localized robot, and no answer has a wrong pose.
-void expect_found(const DriveOptions& options, const Trouble& trouble = {}) {
+void expect_found(const RunOptions& options, const Trouble& trouble = {}) {
   for (const std::uint64_t seed : kSeeds) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::vector<Moment> moments = moments_of(options, seed);
@@ -271,14 +267,14 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
   const OccupancyGrid before = furnished(1);
   const OccupancyGrid after = furnished(2);
   const OccupancyGrid always = both(before, after);
-  DriveOptions options = drive_with(kPi, 181, 8.0);
+  RunOptions options = drive_with(kPi, 181, 8.0);
   options.range_noise_m = 0.03;
   const auto log_of = [&](const OccupancyGrid& inside, double length_m, double start_s,
                           std::uint64_t seed) {
     options.length_m = length_m;
     options.start_s = start_s;
     options.seed = seed;
-    return *simulate_drive(always, options, &inside);
+    return *simulate_run(always, options, &inside);
   };
   const RecordedLog first = log_of(before, 500.0, 0.0, 1);
   const RecordedLog later = log_of(after, 500.0, 86400.0, 2);
@@ -288,7 +284,7 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
 
   EvaluationOptions asked;
   asked.starts = 25;
-  asked.way_m = 5.0;
+  asked.max_distance_m = 5.0;
   asked.track_m = 0.0;
   const auto fixes_in_map_of = [&](const RecordedLog& mapping) {
     const Evaluation evaluation = map_from(mapping, mapping.scans.size(), {});
@@ -297,8 +293,8 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
     const auto count = [&](Verdict verdict) {
       return std::ranges::count(records, verdict, &StartRecord::verdict);
     };
-    EXPECT_EQ(count(Verdict::kFalse), 0);
-    return count(Verdict::kFixed);
+    EXPECT_EQ(count(Verdict::kWrong), 0);
+    return count(Verdict::kCorrect);
   };
   const auto stale = fixes_in_map_of(first);
   const auto updated = fixes_in_map_of(drives);
@@ -311,4 +307,4 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation

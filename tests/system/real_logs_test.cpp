@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "cli/evaluation.hpp"
-#include "cli/log_reader.hpp"
+#include "evaluation/datasets/log_reader.hpp"
+#include "evaluation/metrics/localization_score.hpp"
 
-namespace cornerfix::cli {
+namespace cornerfix::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,8 +53,8 @@ Counts count(const std::vector<StartRecord>& records, const EvaluationOptions& o
   for (const StartRecord& record : records) {
     if (!record.counts || record.near_m > options.near_m) continue;
     ++counts.starts;
-    counts.fixed += record.verdict == Verdict::kFixed ? 1 : 0;
-    counts.wrong += record.verdict == Verdict::kFalse ? 1 : 0;
+    counts.fixed += record.verdict == Verdict::kCorrect ? 1 : 0;
+    counts.wrong += record.verdict == Verdict::kWrong ? 1 : 0;
   }
   return counts;
 }
@@ -62,7 +62,7 @@ Counts count(const std::vector<StartRecord>& records, const EvaluationOptions& o
 std::string wrong_ones(const std::vector<StartRecord>& records) {
   std::string list;
   for (const StartRecord& record : records) {
-    if (record.verdict != Verdict::kFalse) continue;
+    if (record.verdict != Verdict::kWrong) continue;
     list += "start " + std::to_string(record.start) + " off by " + std::to_string(record.error_m) +
             " m, " + std::to_string(record.error_rad) + " rad\n";
   }
@@ -133,7 +133,7 @@ TEST(RealLogs, AnotherBuildingIsNotTakenForTheMappedOne) {
   const Evaluation evaluation = map_from(*mapped, mapped->scans.size(), options.mapper);
   const std::vector<StartRecord> records =
       evaluate(*asked, 0, {evaluation.map}, kNoMap, {}, options, nullptr);
-  EXPECT_EQ(std::ranges::count(records, Verdict::kFalse, &StartRecord::verdict), 0)
+  EXPECT_EQ(std::ranges::count(records, Verdict::kWrong, &StartRecord::verdict), 0)
       << wrong_ones(records);
 }
 
@@ -146,9 +146,9 @@ TEST(RealLogs, AMirroredRobotIsNotFound) {
   const Evaluation evaluation = map_from(*log, end, options.mapper);
   const std::vector<StartRecord> records =
       evaluate(*log, end, {evaluation.map}, 0, evaluation.mapping_positions, options, nullptr);
-  EXPECT_EQ(std::ranges::count(records, Verdict::kFalse, &StartRecord::verdict), 0)
+  EXPECT_EQ(std::ranges::count(records, Verdict::kWrong, &StartRecord::verdict), 0)
       << wrong_ones(records);
 }
 
 }  // namespace
-}  // namespace cornerfix::cli
+}  // namespace cornerfix::evaluation

@@ -60,7 +60,7 @@ TEST(Amcl, NeedsFewerParticlesOnceTheyLieTogether) {
   EXPECT_LT(amcl.particle_count(), kFew.max_particles * 9 / 10);
 }
 
-TEST(Amcl, KeepsAllParticlesWhereToldTo) {
+TEST(Amcl, KeepsAllParticlesIfTheMinimumIsTheMaximum) {
   Amcl amcl =
       make_amcl({.min_particles = 3'000, .max_particles = 3'000, .linear_resampling = false});
   const auto moments = testing::office_drive(1);

@@ -12,7 +12,7 @@ TEST(ParticleBins, CountsABinOnce) {
   EXPECT_EQ(bins.size(), 1U);
 }
 
-TEST(ParticleBins, TellsHeadingsApart) {
+TEST(ParticleBins, DistinguishesHeadings) {
   ParticleBins bins;
   bins.insert({0.1, 0.1, 0.05});
   bins.insert({0.1, 0.1, 1.0});
@@ -33,7 +33,7 @@ TEST(ParticleBins, JoinsAcrossTheSeamOfHeadings) {
   EXPECT_EQ(bins.find_clusters(), 1U);
 }
 
-TEST(ParticleBins, KeepsPlacesThatLieApartApart) {
+TEST(ParticleBins, DistinguishesPositions) {
   ParticleBins bins;
   bins.insert({-3.0, 0.1, 0.0});
   bins.insert({3.0, 0.1, 0.0});

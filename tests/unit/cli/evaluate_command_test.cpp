@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command_line.hpp"
-#include "unit/cli/temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace cornerfix::cli {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 struct Outcome {
   int exit_code = 0;
@@ -23,20 +23,20 @@ struct Outcome {
 Outcome run(std::vector<std::string> arguments) {
   std::vector<const char*> argv = {"cornerfix"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   Outcome outcome;
   outcome.exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.err = ::testing::internal::GetCapturedStderr();
   return outcome;
 }
 
 /// Two drives through the building in tests/data, made once.
-class EvaluateCommand : public testing::Test {
+class EvaluateCommand : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    directory_ = new TemporaryDirectory;
+    directory_ = new testing::TemporaryDirectory;
     simulate("map.jsonl", "1", "30");
     simulate("ask.jsonl", "2", "12");
   }
@@ -55,12 +55,12 @@ class EvaluateCommand : public testing::Test {
 
   static std::string path(const std::string& name) { return (directory_->path() / name).string(); }
 
-  static TemporaryDirectory* directory_;
+  static testing::TemporaryDirectory* directory_;
 };
 
-TemporaryDirectory* EvaluateCommand::directory_ = nullptr;
+testing::TemporaryDirectory* EvaluateCommand::directory_ = nullptr;
 
-TEST_F(EvaluateCommand, SaysAllFiguresOfTheReplayToolByTheirNames) {
+TEST_F(EvaluateCommand, PrintsAllFiguresOfTheReplayToolByTheirNames) {
   const Outcome outcome =
       run({"evaluate", path("map.jsonl"), "--starts", "3", "--way", "5", "--threads", "1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -177,7 +177,7 @@ TEST_F(EvaluateCommand, MakesTheMapWithoutPoses) {
   EXPECT_GT(summary["fixed"], 0) << outcome.out;
 }
 
-TEST_F(EvaluateCommand, CountsStartsOutsideOfAFloorMapApart) {
+TEST_F(EvaluateCommand, CountsStartsOutsideOfAnOccupancyMapApart) {
   const auto starts_in = [](const std::string& yaml) {
     const Outcome outcome = run({"evaluate", path("ask.jsonl"), "--map-grid", yaml, "--starts", "3",
                                  "--way", "1", "--track", "0"});
@@ -232,7 +232,7 @@ TEST_F(EvaluateCommand, EndsArgumentsOutOfRangeWithTwo) {
   for (std::vector<std::string> arguments : wrong) {
     arguments.insert(arguments.begin(), {"evaluate", path("map.jsonl")});
     const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << ::testing::PrintToString(arguments);
     EXPECT_EQ(outcome.out, "");
   }
 }
@@ -355,7 +355,7 @@ TEST_F(EvaluateCommand, WarnsWhenNoStartHasEnoughLogAhead) {
   EXPECT_THAT(outcome.err, HasSubstr("no start counts"));
 }
 
-TEST_F(EvaluateCommand, TellsHowManyBrokenRecordsItLeftOut) {
+TEST_F(EvaluateCommand, PrintsHowManyBrokenRecordsItLeftOut) {
   std::ifstream log(path("ask.jsonl"));
   const std::string text((std::istreambuf_iterator<char>(log)), std::istreambuf_iterator<char>());
   const std::string broken = directory_->write("broken.jsonl", text + "oops\n").string();

@@ -5,15 +5,15 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "unit/cli/fake_server.hpp"
+#include "support/fake_server.hpp"
 
 namespace cornerfix::ros2 {
 namespace {
 
-using cli::FakeAnswer;
-using cli::FakeRequest;
-using cli::FakeServer;
 using ::testing::ElementsAre;
+using testing::FakeAnswer;
+using testing::FakeRequest;
+using testing::FakeServer;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 using Kind = SessionClient::Outcome::Kind;
