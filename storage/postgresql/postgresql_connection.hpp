@@ -1,8 +1,7 @@
 /// \file  A connection to a PostgreSQL server that comes back after it was lost.
 ///
-/// Keeps to what a pooler of transactions (PgBouncer) allows: every setting is SET LOCAL, every
-/// lock ends with its transaction, no statement is prepared by name, nothing is in a temporary
-/// table.
+/// Keeps to what a pooler of transactions (PgBouncer) allows. Every setting is SET LOCAL, and every
+/// lock ends with its transaction. No statement is prepared by name, and no table is temporary.
 #pragma once
 
 #include <libpq-fe.h>

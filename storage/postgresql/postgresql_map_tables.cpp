@@ -13,7 +13,7 @@ const std::string kSelectMaps =
     "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, "
     "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts FROM maps ";
 
-/// Key frames that are read in one round trip.
+/// Keyframes that are read in one round trip.
 constexpr std::int64_t kKeyFramesPerRead = 500;
 
 BlobView utf8_bytes(std::string_view text) {
