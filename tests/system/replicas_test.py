@@ -134,8 +134,9 @@ class ReplicasTest(unittest.TestCase):
         proxy = self.start_haproxy()
         robots = [Robot(proxy, f"robot-{number}", map="willow") for number in range(8)]
         half = len(self.expected) // 2 * 5
-        answers = [[answer for answer in map(robot.add, self.scans[:half]) if answer]
-                   for robot in robots]
+        answers = [
+            [answer for answer in map(robot.add, self.scans[:half]) if answer] for robot in robots
+        ]
         self.first.kill()
         self.addCleanup(self.first.start)
         for robot, mine in zip(robots, answers):
@@ -152,6 +153,7 @@ class ReplicasTest(unittest.TestCase):
         listener = socket.create_server(("127.0.0.1", 0))
         self.addCleanup(listener.close)
         text = (SOURCE / "deploy/haproxy/haproxy.cfg").read_text()
+        text = text.replace("maxconn 20000", "maxconn 100")  # More need more descriptors.
         text = text.replace("bind :8080", f"bind fd@{listener.fileno()}")
         for name, server in (("replica1", self.first), ("replica2", self.second)):
             address = server.url.removeprefix("http://")
