@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cli/command.hpp"
-#include "storage/backup.hpp"
+#include "storage/sqlite/backup.hpp"
 
 namespace cornerfix::cli {
 

@@ -52,6 +52,7 @@ void add_map_name(CLI::App& command, std::string& name);
 // Each adds its command to `app`. Parsing a command line runs its command, which leaves its exit
 // code in `exit_code`; wrong use is thrown as CLI::ParseError.
 void add_backup_command(CLI::App& app, int& exit_code);
+void add_database_command(CLI::App& app, int& exit_code);
 void add_load_command(CLI::App& app, int& exit_code);
 void add_map_command(CLI::App& app, int& exit_code);
 void add_replay_command(CLI::App& app, int& exit_code);

@@ -39,6 +39,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_scene_command(app, exit_code);
   add_slam_command(app, exit_code);
   add_backup_command(app, exit_code);
+  add_database_command(app, exit_code);
   add_ros2_command(app, exit_code);
   add_token_command(app, exit_code);
   try {

@@ -29,6 +29,17 @@ if(CORNERFIX_BUILD_SERVER)
 
   find_program(HELP2MAN help2man)  # For the man pages of the Debian package.
 
+  pkg_check_modules(libpq QUIET IMPORTED_TARGET libpq)
+  option(CORNERFIX_BUILD_POSTGRESQL "Store in PostgreSQL, too; needs libpq-dev" ${libpq_FOUND})
+  if(CORNERFIX_BUILD_POSTGRESQL AND NOT libpq_FOUND)
+    message(FATAL_ERROR "CORNERFIX_BUILD_POSTGRESQL needs the package libpq-dev")
+  endif()
+  if(CORNERFIX_BUILD_POSTGRESQL)
+    message(STATUS "PostgreSQL: built, with libpq ${libpq_VERSION}")
+  else()
+    message(STATUS "PostgreSQL: not built; install libpq-dev")
+  endif()
+
   find_package(CycloneDDS QUIET)
   find_program(CYCLONEDDS_IDLC idlc)
   if(CycloneDDS_FOUND AND CYCLONEDDS_IDLC)

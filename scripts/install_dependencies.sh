@@ -12,7 +12,7 @@ build=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libceres-dev libopencv-core-dev libopencv-imgproc-dev libpng-dev libyaml-cpp-dev zlib1g-dev
   libbz2-dev liblz4-dev libzstd-dev
-  libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libsqlite3-dev libsqlitecpp-dev
+  libcpp-httplib-dev nlohmann-json3-dev libsimdjson-dev libpq-dev libsqlite3-dev libsqlitecpp-dev
   libspdlog-dev libcli11-dev prometheus-cpp-dev libgtest-dev libgmock-dev libbenchmark-dev
   libjs-leaflet libjs-chart.js
   cyclonedds-dev cyclonedds-tools
@@ -20,7 +20,7 @@ build=(
 test=(
   libfastrtps-dev git ccache clang-format clang-tidy chromium chromium-driver python3-selenium python3-jsonschema python3-yaml
   prometheus curl python3-pip python3-setuptools python3-wheel
-  help2man nginx-light openssl systemd
+  help2man nginx-light openssl postgresql haproxy systemd
   ros-core python3-rospy python3-tf2-ros python3-diagnostic-msgs python3-geometry-msgs python3-nav-msgs
   python3-sensor-msgs python3-std-srvs
 )

@@ -22,7 +22,7 @@ Response metrics(const Services& services) {
                                         .maps = services.maps->cache_use(),
                                         .load = services.load(),
                                         .process = process_usage(),
-                                        .database = database_usage(services.stores->path())})};
+                                        .database = database_usage(services.stores->location())})};
 }
 
 }  // namespace

@@ -551,7 +551,7 @@ Result<std::string> LocalizationService::localize(const std::string& map,
 Result<LocalizationService::LockedSession> LocalizationService::lock(const std::string& id) {
   const auto now = SteadyClock::now();
   forget_idle(now);
-  const auto epoch = stores_->epoch();
+  const auto epoch = stores_->epoch(id);
   if (!epoch) return epoch.error();
   std::shared_ptr<Session> session;
   {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/settings.hpp"
+#include "storage/database.hpp"
 
 namespace cornerfix::server {
 namespace {
@@ -123,7 +124,9 @@ std::optional<Error> validate(const ServerConfig& config) {
   if (auto error = validate(config.tokens)) return error;
   // A database that is there may hold tokens: that is looked up when it is opened.
   std::error_code error;
-  if (std::filesystem::exists(config.database, error)) return std::nullopt;
+  const bool may_hold_tokens = storage::is_postgresql(config.database.native()) ||
+                               std::filesystem::exists(config.database, error);
+  if (may_hold_tokens) return std::nullopt;
   return check_listen(config, config.tokens.empty());
 }
 

@@ -1,14 +1,12 @@
-/// \file  The two connections of the service to its database file, each used by one thread at a
-/// time.
+/// \file  The two connections of the service to its database, each used by one thread at a time.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <mutex>
-#include <optional>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -23,31 +21,25 @@
 
 namespace cornerfix::server {
 
-/// A file as the operating system knows it: a path may come to name another one.
-struct FileId {
-  std::uint64_t device = 0;
-  std::uint64_t inode = 0;
-  friend bool operator==(const FileId&, const FileId&) = default;
-};
-
 /// Sessions are written often and may lose their last batches in a power cut; maps are written
 /// seldom and must not. So each has a connection of its own, and quick answers to robots do not
-/// wait for the writing of a map. Every call is kUnavailable when the file, its write-ahead log or
-/// the log's index was deleted or replaced: what was written would be lost. A call about sessions
-/// waits `busy_timeout_ms` at most for those before it, else it is kUnavailable too: another
-/// process may have locked the file. Any threads may call.
+/// wait for the writing of a map. Every call is kUnavailable when the file of SQLite, its
+/// write-ahead log or the log's index was deleted or replaced: what was written would be lost. A
+/// call about sessions waits `busy_timeout_ms` at most for those before it, else it is kUnavailable
+/// too: another process may have locked the file. Any threads may call.
 class StoreAccess {
  public:
   [[nodiscard]] static Result<std::shared_ptr<StoreAccess>> open(
-      const std::filesystem::path& path, int busy_timeout_ms = storage::kDefaultBusyTimeoutMs);
+      const std::string& location, int busy_timeout_ms = storage::kDefaultBusyTimeoutMs);
 
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// A file, or a URL without its password.
+  [[nodiscard]] const std::string& location() const { return session_database_->location(); }
 
   /// `use(MapStore&)` on the connection for maps.
   template <typename Use>
   std::invoke_result_t<Use, storage::MapStore&> with_maps(Use&& use) {
     const std::lock_guard lock(map_mutex_);
-    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
+    if (const auto in_place = map_database_->check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(maps_);
   }
 
@@ -56,7 +48,7 @@ class StoreAccess {
   std::invoke_result_t<Use, storage::SessionStore&> with_sessions(Use&& use) {
     const std::unique_lock lock(session_mutex_, patience_);
     if (!lock) return busy();
-    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
+    if (const auto in_place = map_database_->check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(sessions_);
   }
 
@@ -64,7 +56,7 @@ class StoreAccess {
   template <typename Use>
   std::invoke_result_t<Use, storage::SessionStore&> with_session_list(Use&& use) {
     const std::lock_guard lock(map_mutex_);
-    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
+    if (const auto in_place = map_database_->check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(session_list_);
   }
 
@@ -73,7 +65,7 @@ class StoreAccess {
   std::invoke_result_t<Use, storage::MapStore&> with_map_entries(Use&& use) {
     const std::unique_lock lock(session_mutex_, patience_);
     if (!lock) return busy();
-    if (const auto in_place = check_in_place(); !in_place) return in_place.error();
+    if (const auto in_place = map_database_->check_in_place(); !in_place) return in_place.error();
     return std::forward<Use>(use)(map_entries_);
   }
 
@@ -82,28 +74,25 @@ class StoreAccess {
   /// Grows whenever the file was changed by anything but the sessions of this process: by this
   /// process' maps or by another process. What was read before is then to be read again.
   [[nodiscard]] Result<std::uint64_t> epoch();
+  /// The same for what concerns one session: it also grows when another process of a PostgreSQL
+  /// database changed that session.
+  [[nodiscard]] Result<std::uint64_t> epoch(std::string_view session);
 
   /// Whether the file can be read and written, its pages are sound, and its file system has
   /// `min_free_bytes` left.
   [[nodiscard]] Result<void> probe(std::uint64_t min_free_bytes);
 
  private:
-  /// The database, its write-ahead log and its index.
-  using FileIds = std::array<std::optional<FileId>, 3>;
-
   StoreAccess(std::shared_ptr<storage::Database> map_database,
               std::shared_ptr<storage::Database> session_database,
               std::chrono::milliseconds patience);
 
   [[nodiscard]] static Error busy();
-  [[nodiscard]] Result<void> check_in_place() const;
-  [[nodiscard]] Result<void> check_room(std::uint64_t min_free_bytes) const;
-
-  std::filesystem::path path_;
-  std::array<std::filesystem::path, 3> files_;
-  FileIds opened_;
+  /// On the locked connection for sessions.
+  [[nodiscard]] Result<std::uint64_t> read_epoch();
 
   std::mutex map_mutex_;
+  std::shared_ptr<storage::Database> map_database_;
   storage::MapStore maps_;
   storage::SessionStore session_list_;
 

@@ -3,19 +3,17 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
-#include <concepts>
 #include <cstring>
-#include <limits>
-#include <string>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "storage/blob_fields.hpp"
 
 namespace cornerfix::storage {
 namespace {
 
-constexpr std::size_t kHeaderSize = 2;  // Version, kind.
-constexpr std::size_t kChecksumSize = 4;
 // Version 1 knew neither sense nor sigma.
 constexpr std::size_t kFeatureSize1 = 44;
 constexpr std::size_t kFeatureSize = 53;
@@ -25,165 +23,6 @@ constexpr std::size_t kSubmapScanKeySize = 12;
 // huge grid.
 constexpr std::uint64_t kMaxInflation = 1032;
 constexpr std::uint64_t kMaxCells = 200'000'000;  // Twice what a map may have.
-
-// The values are stored: never renumber them.
-enum class Kind : std::uint8_t {
-  kKeyFrame = 1,
-  kFeatures = 2,
-  kDescriptors = 3,
-  kGrid = 4,
-  kSubmapScan = 5,
-  kLocalizerState = 6,
-};
-
-/// The version that is written. All before it can be read.
-constexpr std::uint8_t newest_version(Kind kind) {
-  if (kind == Kind::kLocalizerState) return 5;
-  return kind == Kind::kFeatures ? 2 : 1;
-}
-
-template <std::unsigned_integral T>
-void store_little_endian(std::uint8_t* to, T value) {
-  auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
-  std::memcpy(to, bytes.data(), sizeof(T));
-}
-
-template <std::unsigned_integral T>
-T load_little_endian(const std::uint8_t* from) {
-  std::array<std::uint8_t, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), from, sizeof(T));
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
-  return std::bit_cast<T>(bytes);
-}
-
-std::uint32_t crc_32(BlobView bytes) {
-  return static_cast<std::uint32_t>(::crc32_z(0, bytes.data(), bytes.size()));
-}
-
-/// Appends fields to a BLOB of one kind.
-class Writer {
- public:
-  Writer(Kind kind, std::size_t payload_size) {
-    bytes_.reserve(kHeaderSize + payload_size + kChecksumSize);
-    integer(newest_version(kind));
-    integer(static_cast<std::uint8_t>(kind));
-  }
-
-  template <std::unsigned_integral T>
-  void integer(T value) {
-    store_little_endian(extend(sizeof(T)), value);
-  }
-  void signed_integer(int value) { integer(static_cast<std::uint32_t>(value)); }
-  void real(double value) { integer(std::bit_cast<std::uint64_t>(value)); }
-  void count(std::size_t value) {
-    assert(value <= std::numeric_limits<std::uint32_t>::max() && "too many items for a BLOB");
-    integer(static_cast<std::uint32_t>(value));
-  }
-  void pose(const Pose2& pose) {
-    for (const double value : {pose.x, pose.y, pose.yaw}) real(value);
-  }
-  void scan(const LaserScan& scan) {
-    for (const double value :
-         {scan.stamp, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max}) {
-      real(value);
-    }
-    count(scan.ranges.size());
-    std::uint8_t* to = extend(scan.ranges.size() * sizeof(float));
-    for (const float range : scan.ranges) {
-      store_little_endian(to, std::bit_cast<std::uint32_t>(range));
-      to += sizeof(float);
-    }
-  }
-  /// Room for `size` bytes, for the caller to fill.
-  std::uint8_t* extend(std::size_t size) {
-    bytes_.resize(bytes_.size() + size);
-    return bytes_.data() + bytes_.size() - size;
-  }
-  Blob finish() && {
-    integer(crc_32(bytes_));
-    return std::move(bytes_);
-  }
-
- private:
-  Blob bytes_;
-};
-
-/// Takes fields from a BLOB. Once one is missing all later ones are zero and finished() is false,
-/// so that decoding needs one test at its end.
-class Reader {
- public:
-  explicit Reader(BlobView payload) : rest_(payload) {}
-
-  template <std::unsigned_integral T>
-  T integer() {
-    const BlobView field = bytes(sizeof(T));
-    return field.empty() ? T{0} : load_little_endian<T>(field.data());
-  }
-  int signed_integer() { return static_cast<int>(integer<std::uint32_t>()); }
-  double real() { return std::bit_cast<double>(integer<std::uint64_t>()); }
-  /// A number of items that follow; zero when fewer bytes than that are left.
-  std::size_t count(std::size_t item_size) {
-    const std::size_t value = integer<std::uint32_t>();
-    if (value <= rest_.size() / item_size) return value;
-    complete_ = false;
-    return 0;
-  }
-  Pose2 pose() {
-    const double x = real();
-    const double y = real();
-    const double yaw = real();
-    return {x, y, yaw};
-  }
-  LaserScan scan() {
-    LaserScan scan;
-    for (double* field :
-         {&scan.stamp, &scan.angle_min, &scan.angle_increment, &scan.range_min, &scan.range_max}) {
-      *field = real();
-    }
-    scan.ranges.resize(count(sizeof(float)));
-    const BlobView ranges = bytes(scan.ranges.size() * sizeof(float));
-    for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
-      scan.ranges[beam] = std::bit_cast<float>(
-          load_little_endian<std::uint32_t>(ranges.data() + beam * sizeof(float)));
-    }
-    return scan;
-  }
-  BlobView bytes(std::size_t size) {
-    if (!complete_ || size > rest_.size()) {
-      complete_ = false;
-      return {};
-    }
-    const BlobView taken = rest_.first(size);
-    rest_ = rest_.subspan(size);
-    return taken;
-  }
-  BlobView rest() { return bytes(rest_.size()); }
-  [[nodiscard]] bool finished() const { return complete_ && rest_.empty(); }
-
- private:
-  BlobView rest_;
-  bool complete_ = true;
-};
-
-Error corrupt(std::string_view what, std::string_view why) {
-  return Error{ErrorCode::kCorruptData, std::string(what) + ": " + std::string(why), ""};
-}
-
-Error inconsistent(std::string_view what) { return corrupt(what, "fields contradict each other"); }
-
-/// The payload of `blob` if its version, kind and checksum are right.
-Result<Reader> open_blob(Kind kind, std::string_view what, BlobView blob) {
-  if (blob.size() < kHeaderSize + kChecksumSize) return corrupt(what, "cut short");
-  if (blob[0] < 1 || blob[0] > newest_version(kind)) {
-    return corrupt(what, "version " + std::to_string(blob[0]) + ", known up to " +
-                             std::to_string(newest_version(kind)));
-  }
-  if (blob[1] != static_cast<std::uint8_t>(kind)) return corrupt(what, "bytes of another kind");
-  const BlobView content = blob.first(blob.size() - kChecksumSize);
-  if (crc_32(content) != checksum_of(blob)) return corrupt(what, "wrong checksum");
-  return Reader(content.subspan(kHeaderSize));
-}
 
 constexpr std::size_t scan_size(const LaserScan& scan) {
   constexpr std::size_t kFixedSize = 11 * sizeof(double) + sizeof(std::uint32_t);
@@ -219,25 +58,25 @@ std::optional<std::vector<Cell>> inflate_cells(BlobView deflated, int width, int
 
 constexpr std::size_t kGridHeaderSize = 4 * sizeof(double) + 8;
 
-void put_grid_header(Writer& writer, const OccupancyGrid& grid) {
+void put_grid_header(BlobWriter& writer, const OccupancyGrid& grid) {
   writer.real(grid.resolution);
   writer.pose(grid.T_map_grid);
   writer.signed_integer(grid.width);
   writer.signed_integer(grid.height);
 }
 
-void put_optional_real(Writer& writer, const std::optional<double>& value) {
+void put_optional_real(BlobWriter& writer, const std::optional<double>& value) {
   writer.integer(static_cast<std::uint8_t>(value.has_value()));
   writer.real(value.value_or(0.0));
 }
 
-std::optional<double> take_optional_real(Reader& reader) {
+std::optional<double> take_optional_real(BlobReader& reader) {
   const bool present = reader.integer<std::uint8_t>() != 0;
   const double value = reader.real();
   return present ? std::optional(value) : std::nullopt;
 }
 
-void put_region(Writer& writer, const std::optional<StartRegion>& region) {
+void put_region(BlobWriter& writer, const std::optional<StartRegion>& region) {
   const StartRegion some = region.value_or(StartRegion{});
   writer.integer(static_cast<std::uint8_t>(region.has_value()));
   for (const double value : {some.center.x(), some.center.y(), some.radius_m}) writer.real(value);
@@ -247,7 +86,7 @@ void put_region(Writer& writer, const std::optional<StartRegion>& region) {
   std::memcpy(writer.extend(some.map.size()), some.map.data(), some.map.size());
 }
 
-std::optional<StartRegion> take_region(Reader& reader) {
+std::optional<StartRegion> take_region(BlobReader& reader) {
   const bool present = reader.integer<std::uint8_t>() != 0;
   StartRegion region;
   region.center.x() = reader.real();
@@ -260,12 +99,12 @@ std::optional<StartRegion> take_region(Reader& reader) {
   return present ? std::optional(std::move(region)) : std::nullopt;
 }
 
-void put_optional_pose(Writer& writer, const std::optional<Pose2>& pose) {
+void put_optional_pose(BlobWriter& writer, const std::optional<Pose2>& pose) {
   writer.integer(static_cast<std::uint8_t>(pose.has_value()));
   writer.pose(pose.value_or(Pose2{}));
 }
 
-std::optional<Pose2> take_optional_pose(Reader& reader) {
+std::optional<Pose2> take_optional_pose(BlobReader& reader) {
   const bool present = reader.integer<std::uint8_t>() != 0;
   const Pose2 pose = reader.pose();
   return present ? std::optional(pose) : std::nullopt;
@@ -273,13 +112,8 @@ std::optional<Pose2> take_optional_pose(Reader& reader) {
 
 }  // namespace
 
-std::uint32_t checksum_of(BlobView blob) {
-  assert(blob.size() >= kHeaderSize + kChecksumSize && "not a BLOB of this codec");
-  return load_little_endian<std::uint32_t>(blob.last(kChecksumSize).data());
-}
-
 Blob encode_key_frame(const PosedScan& key_frame) {
-  Writer writer(Kind::kKeyFrame, scan_size(key_frame.scan));
+  BlobWriter writer(BlobKind::kKeyFrame, scan_size(key_frame.scan));
   writer.pose(key_frame.T_map_base_link);
   writer.pose(key_frame.T_base_link_laser);
   writer.scan(key_frame.scan);
@@ -287,7 +121,7 @@ Blob encode_key_frame(const PosedScan& key_frame) {
 }
 
 Result<PosedScan> decode_key_frame(BlobView blob) {
-  Result<Reader> reader = open_blob(Kind::kKeyFrame, "key frame", blob);
+  Result<BlobReader> reader = open_blob(BlobKind::kKeyFrame, "key frame", blob);
   if (!reader) return reader.error();
   PosedScan key_frame;
   key_frame.T_map_base_link = reader->pose();
@@ -298,7 +132,7 @@ Result<PosedScan> decode_key_frame(BlobView blob) {
 }
 
 Blob encode_features(std::span<const Feature> features) {
-  Writer writer(Kind::kFeatures, 4 + features.size() * kFeatureSize);
+  BlobWriter writer(BlobKind::kFeatures, 4 + features.size() * kFeatureSize);
   writer.count(features.size());
   for (const Feature& feature : features) {
     for (const double value : {feature.position.x(), feature.position.y(), feature.turn_angle,
@@ -313,7 +147,7 @@ Blob encode_features(std::span<const Feature> features) {
 }
 
 Result<std::vector<Feature>> decode_features(BlobView blob) {
-  Result<Reader> reader = open_blob(Kind::kFeatures, "features", blob);
+  Result<BlobReader> reader = open_blob(BlobKind::kFeatures, "features", blob);
   if (!reader) return reader.error();
   const bool first_version = blob[0] == 1;
   std::vector<Feature> features(reader->count(first_version ? kFeatureSize1 : kFeatureSize));
@@ -332,8 +166,9 @@ Result<std::vector<Feature>> decode_features(BlobView blob) {
 }
 
 Blob encode_descriptors(const DescriptorSet& descriptors) {
-  Writer writer(Kind::kDescriptors, 3 * sizeof(double) + 8 + descriptors.offsets.size() * 4 +
-                                        descriptors.entries.size() * kDescriptorEntrySize);
+  BlobWriter writer(BlobKind::kDescriptors, 3 * sizeof(double) + 8 +
+                                                descriptors.offsets.size() * 4 +
+                                                descriptors.entries.size() * kDescriptorEntrySize);
   const DescriptorParams& params = descriptors.params;
   for (const double value :
        {params.distance_resolution_m, params.angle_resolution_rad, params.max_distance_m}) {
@@ -352,7 +187,7 @@ Blob encode_descriptors(const DescriptorSet& descriptors) {
 }
 
 Result<DescriptorSet> decode_descriptors(BlobView blob) {
-  Result<Reader> reader = open_blob(Kind::kDescriptors, "descriptors", blob);
+  Result<BlobReader> reader = open_blob(BlobKind::kDescriptors, "descriptors", blob);
   if (!reader) return reader.error();
   DescriptorSet set;
   for (double* field : {&set.params.distance_resolution_m, &set.params.angle_resolution_rad,
@@ -374,7 +209,7 @@ Result<DescriptorSet> decode_descriptors(BlobView blob) {
 }
 
 Blob encode_grid_header(const OccupancyGrid& grid) {
-  Writer writer(Kind::kGrid, kGridHeaderSize);
+  BlobWriter writer(BlobKind::kGrid, kGridHeaderSize);
   put_grid_header(writer, grid);
   return std::move(writer).finish();
 }
@@ -391,14 +226,14 @@ Blob encode_grid(const OccupancyGrid& grid) {
                                  grid.cells.size(), Z_BEST_SPEED);
   if (status != Z_OK) throw std::bad_alloc();  // The only way left for zlib to fail.
 
-  Writer writer(Kind::kGrid, kGridHeaderSize + deflated_size);
+  BlobWriter writer(BlobKind::kGrid, kGridHeaderSize + deflated_size);
   put_grid_header(writer, grid);
   std::copy_n(deflated.data(), deflated_size, writer.extend(deflated_size));
   return std::move(writer).finish();
 }
 
 Result<OccupancyGrid> decode_grid(BlobView blob) {
-  Result<Reader> reader = open_blob(Kind::kGrid, "grid", blob);
+  Result<BlobReader> reader = open_blob(BlobKind::kGrid, "grid", blob);
   if (!reader) return reader.error();
   OccupancyGrid grid;
   grid.resolution = reader->real();
@@ -412,7 +247,7 @@ Result<OccupancyGrid> decode_grid(BlobView blob) {
 }
 
 Blob encode_submap_scan(const SubmapScan& scan) {
-  Writer writer(Kind::kSubmapScan, sizeof(std::uint64_t) + scan_size(scan.scan));
+  BlobWriter writer(BlobKind::kSubmapScan, sizeof(std::uint64_t) + scan_size(scan.scan));
   writer.integer(scan.index);
   writer.pose(scan.T_submap_base_link);
   writer.pose(scan.T_base_link_laser);
@@ -421,7 +256,7 @@ Blob encode_submap_scan(const SubmapScan& scan) {
 }
 
 Result<SubmapScan> decode_submap_scan(BlobView blob) {
-  Result<Reader> reader = open_blob(Kind::kSubmapScan, "submap scan", blob);
+  Result<BlobReader> reader = open_blob(BlobKind::kSubmapScan, "submap scan", blob);
   if (!reader) return reader.error();
   SubmapScan scan;
   scan.index = reader->integer<std::uint64_t>();
@@ -434,7 +269,7 @@ Result<SubmapScan> decode_submap_scan(BlobView blob) {
 
 Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapScanKey> submap) {
   constexpr std::size_t kFixedSize = 361;
-  Writer writer(Kind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
+  BlobWriter writer(BlobKind::kLocalizerState, kFixedSize + submap.size() * kSubmapScanKeySize);
   writer.integer(state.next_index);
   writer.integer(state.scans);
   writer.pose(state.T_submap_base_link);
@@ -468,7 +303,7 @@ Blob encode_localizer_state(const LocalizerState& state, std::span<const SubmapS
 }
 
 Result<LocalizerStateOutline> decode_localizer_state(BlobView blob) {
-  Result<Reader> reader = open_blob(Kind::kLocalizerState, "localizer state", blob);
+  Result<BlobReader> reader = open_blob(BlobKind::kLocalizerState, "localizer state", blob);
   if (!reader) return reader.error();
   LocalizerStateOutline outline;
   LocalizerState& state = outline.state;

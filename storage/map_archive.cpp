@@ -11,8 +11,8 @@
 
 #include "storage/blob_codec.hpp"
 #include "storage/database.hpp"
-#include "storage/database_image.hpp"
 #include "storage/digest.hpp"
+#include "storage/sqlite/database_image.hpp"
 
 namespace cornerfix::storage {
 namespace {

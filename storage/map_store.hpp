@@ -1,8 +1,8 @@
-/// \file  Named maps in SQLite: keyframes (the source) and what is derived from them.
+/// \file  Named maps in a database: keyframes (the source) and what is derived from them.
 ///
-/// What a call has acknowledged is on disk (WAL, synchronous FULL). Every call is one transaction:
+/// What a call has acknowledged is on disk (Synchronous::kFull). Every call is one transaction:
 /// on an error nothing has changed. Not synchronised: a store belongs to one thread at a time; open
-/// one a thread on the same file.
+/// one a thread on the same database.
 #pragma once
 
 #include <cstdint>
@@ -117,6 +117,8 @@ class MapStore {
   /// Makes a map of an archive, at its revision. kConflict when there is a map of that name.
   [[nodiscard]] Result<MapInfo> restore(std::string_view name, const MapArchive& archive,
                                         const MapOutline& outline, std::string_view now);
+  /// The same with the id, dates, features and bounds of `info`: a copy of another database's map.
+  [[nodiscard]] Result<MapInfo> insert(MapInfo info, const MapArchive& archive);
 
   /// The occupancy map as it was put; kNotFound for a map that was not made from one.
   [[nodiscard]] Result<OccupancyGrid> floor_map(std::int64_t map_id);

@@ -1,7 +1,7 @@
-/// \file  Robot sessions in SQLite, so that they survive a restart: expected sequence, last answer,
-/// localizer state.
+/// \file  Robot sessions in a database, so that they survive a restart: expected sequence, last
+/// answer, localizer state.
 ///
-/// Each call is one transaction; not synchronised (one thread at a time). synchronous=NORMAL is
+/// Each call is one transaction; not synchronised (one thread at a time). Synchronous::kNormal is
 /// enough and is what the session connection uses: a killed process loses nothing. A power cut may
 /// lose the last batches, which robots see as `expected` and post again.
 #pragma once
@@ -36,7 +36,8 @@ struct SessionRecord {
   std::vector<std::int64_t> map_ids{};
   std::string last_used{};       ///< When it took its last batch, or was made: as `created`.
   std::uint64_t last_batch = 0;  ///< Digest of the batch that `last_answer` answers; 0: not known.
-  std::int64_t number = 0;       ///< Given by insert(); grows from session to session.
+  /// Given by insert() where it is 0; grows from session to session.
+  std::int64_t number = 0;
 };
 
 /// Which sessions to list.
@@ -76,6 +77,9 @@ class SessionStore {
   [[nodiscard]] Result<std::string> newest(std::string_view robot);
   /// Removes those last used before `time`; returns how many.
   [[nodiscard]] Result<std::size_t> remove_unused_since(std::string_view time);
+  /// A number that changes when a writer other than this store has changed the session. Constant
+  /// where Database::data_version() counts sessions too.
+  [[nodiscard]] Result<std::uint64_t> foreign_changes(std::string_view id);
 
  private:
   struct StoredSession;
@@ -83,12 +87,13 @@ class SessionStore {
   [[nodiscard]] Result<void> update_in_transaction(std::string_view id,
                                                    const SessionUpdate& update);
   [[nodiscard]] Result<StoredSession*> find_for_update(std::string_view id);
+  [[nodiscard]] StoredSession& known(std::string_view id);
+  void note_version(StoredSession& stored, std::int64_t version);
 
   std::shared_ptr<Database> database_;
-  /// What this connection stored last, so that a batch need not read it again. Empty once another
-  /// connection has changed the file.
+  /// What this store wrote last, so that a batch encodes only the scans that are new.
   std::unordered_map<std::string, StoredSession> known_;
-  std::int64_t known_version_ = -1;
+  std::uint64_t foreign_changes_ = 0;
 };
 
 }  // namespace cornerfix::storage

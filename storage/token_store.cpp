@@ -1,6 +1,5 @@
 #include "storage/token_store.hpp"
 
-#include <SQLiteCpp/Database.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -8,7 +7,7 @@
 #include <utility>
 
 #include "storage/database.hpp"
-#include "storage/statement.hpp"
+#include "storage/token_tables.hpp"
 
 namespace cornerfix::storage {
 namespace {
@@ -30,12 +29,6 @@ std::vector<std::string> split(std::string_view text) {
   return maps;
 }
 
-TokenHash hash_from(BlobView blob) {
-  TokenHash hash{};
-  std::copy_n(blob.begin(), std::min(blob.size(), hash.size()), hash.begin());
-  return hash;
-}
-
 }  // namespace
 
 TokenHash hash_of_token(std::string_view token) {
@@ -52,32 +45,19 @@ TokenStore::TokenStore(TokenStore&&) noexcept = default;
 
 Result<std::int64_t> TokenStore::insert(const TokenRecord& token) {
   return guarded([&]() -> Result<std::int64_t> {
-    WriteTransaction transaction(*database_);
-    Statement(*database_,
-              "INSERT INTO tokens (name, role, maps, hash, created, expires) "
-              "VALUES (?, ?, ?, ?, ?, ?)")
-        .bind(token.name, token.role, joined(token.maps), BlobView(token.hash), token.created,
-              token.expires)
-        .run();
-    const std::int64_t id = database_->connection().getLastInsertRowid();
-    transaction.commit();
+    const auto transaction = database_->begin(Access::kWrite);
+    const std::int64_t id = database_->tokens().insert({token, joined(token.maps)});
+    transaction->commit();
     return id;
   });
 }
 
 Result<std::vector<TokenRecord>> TokenStore::list() {
   return guarded([&]() -> Result<std::vector<TokenRecord>> {
-    Statement row(*database_,
-                  "SELECT id, name, role, maps, hash, created, expires FROM tokens ORDER BY id");
     std::vector<TokenRecord> tokens;
-    for (row.bind(); row.step();) {
-      tokens.push_back({.id = row.integer(0),
-                        .name = row.text(1),
-                        .role = row.text(2),
-                        .maps = split(row.text(3)),
-                        .hash = hash_from(row.blob(4)),
-                        .created = row.text(5),
-                        .expires = row.text(6)});
+    for (TokenRow& row : database_->tokens().list()) {
+      row.token.maps = split(row.maps);
+      tokens.push_back(std::move(row.token));
     }
     return tokens;
   });
@@ -85,10 +65,10 @@ Result<std::vector<TokenRecord>> TokenStore::list() {
 
 Result<void> TokenStore::remove(std::int64_t id) {
   return guarded([&]() -> Result<void> {
-    WriteTransaction transaction(*database_);
-    const int removed = Statement(*database_, "DELETE FROM tokens WHERE id = ?").bind(id).run();
-    transaction.commit();
-    if (removed == 1) return {};
+    const auto transaction = database_->begin(Access::kWrite);
+    const bool was_there = database_->tokens().remove(id);
+    transaction->commit();
+    if (was_there) return {};
     return Error{ErrorCode::kNotFound, "there is no token " + std::to_string(id), "token"};
   });
 }

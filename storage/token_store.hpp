@@ -21,7 +21,7 @@ using TokenHash = std::array<std::uint8_t, 32>;
 [[nodiscard]] TokenHash hash_of_token(std::string_view token);
 
 struct TokenRecord {
-  std::int64_t id = 0;              ///< Given by insert().
+  std::int64_t id = 0;              ///< Given by insert() where it is 0.
   std::string name;                 ///< Of the holder.
   std::string role;                 ///< As the server spells it; opaque here.
   std::vector<std::string> maps{};  ///< That the holder may use; empty: all.

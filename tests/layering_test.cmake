@@ -106,7 +106,8 @@ forbid(FILES server/localization_service.* PATTERN "${include}(nlohmann|simdjson
   REASON "the use cases know no HTTP, JSON or SQL")
 
 # One door for each third-party header.
-forbid(FILES ${all} EXCEPT "^storage/database" PATTERN "${include}sqlite3" REASON "sqlite3.h is for storage/database*.cpp")
+forbid(FILES ${all} EXCEPT "^storage/sqlite/" PATTERN "${include}sqlite3" REASON "sqlite3.h is for storage/sqlite")
+forbid(FILES ${all} EXCEPT "^storage/postgresql/" PATTERN "${include}libpq" REASON "libpq is for storage/postgresql")
 forbid(FILES ${all} EXCEPT "^(storage/|evaluation/datasets/bag/sqlite_bag\\.cpp$)" PATTERN "${include}SQLiteCpp"
   REASON "SQLiteCpp is for storage, and for bags that are SQLite files")
 forbid(FILES ${all} EXCEPT "^evaluation/datasets/bag/decompress\\.cpp$" PATTERN "${include}(bzlib|lz4frame|zstd)\\.h"

@@ -17,12 +17,13 @@ target_link_libraries(cornerfix_test_headers PRIVATE cornerfix::core)
 target_precompile_headers(cornerfix_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <cornerfix/cornerfix.hpp>)
 cornerfix_compile_as_test(cornerfix_test_headers)
 
-# cornerfix_test(NAME LABEL label SOURCES ... LIBRARIES ...): one GoogleTest program, its tests found and labelled.
+# cornerfix_test(NAME LABEL label SOURCES ... LIBRARIES ... [FILTER filter]): one GoogleTest program, its tests found
+# and labelled; those that the filter takes, if there is one.
 function(cornerfix_test name)
-  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;FILTER" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES})
   cornerfix_compile_as_test(${name})
   target_precompile_headers(${name} REUSE_FROM cornerfix_test_headers)
-  gtest_discover_tests(${name} PROPERTIES LABELS ${ARG_LABEL} DISCOVERY_TIMEOUT 60)
+  gtest_discover_tests(${name} TEST_FILTER "${ARG_FILTER}" PROPERTIES LABELS ${ARG_LABEL} DISCOVERY_TIMEOUT 60)
 endfunction()

@@ -32,8 +32,8 @@ def dockerfile_variables():
     return dict(word.split("=", 1) for word in words)
 
 
-def compose():
-    return yaml.safe_load((SOURCE / "deploy/compose.yaml").read_text())
+def compose(name="compose.yaml"):
+    return yaml.safe_load((SOURCE / "deploy" / name).read_text())
 
 
 class DockerfileTest(unittest.TestCase):
@@ -133,6 +133,80 @@ class ComposeTest(unittest.TestCase):
         run("docker", "compose", "--file", SOURCE / "deploy/compose.yaml", "config", "--quiet")
 
 
+class ReplicasTest(unittest.TestCase):
+    """compose_replicas.yaml and what it mounts."""
+
+    def setUp(self):
+        self.compose = compose("compose_replicas.yaml")
+        self.services = self.compose["services"]
+        self.replicas = sorted(name for name in self.services if name.startswith("replica"))
+
+    def test_has_only_keys_of_compose(self):
+        known = set(
+            "build cap_add cap_drop depends_on environment healthcheck image networks ports"
+            " read_only restart security_opt shm_size stop_grace_period tmpfs ulimits volumes".split()
+        )
+        for name, service in self.services.items():
+            self.assertLessEqual(set(service), known, name)
+
+    def test_gives_no_service_more_rights_than_it_needs(self):
+        for name, service in self.services.items():
+            self.assertIn("no-new-privileges:true", service["security_opt"], name)
+            if name != "postgresql":  # Its image changes the owner of its files first.
+                self.assertTrue(service["read_only"], name)
+                self.assertEqual(service["cap_drop"], ["ALL"], name)
+            if name != "nginx":
+                self.assertNotIn("cap_add", service, name)
+
+    def test_only_nginx_can_be_reached(self):
+        self.assertTrue(self.compose["networks"]["inside"]["internal"])
+        for name, service in self.services.items():
+            self.assertEqual("ports" in service, name == "nginx")
+            self.assertEqual("outside" in service["networks"], name == "nginx")
+
+    def test_settings_networks_volumes_and_files_exist(self):
+        known = run(self.cornerfix, "serve", "--help")
+        for replica in self.replicas:
+            for name in self.services[replica]["environment"]:
+                if name.startswith("CORNERFIX_"):
+                    self.assertRegex(known, rf"\b{name}\b")
+        for service in self.services.values():
+            self.assertLessEqual(set(service["networks"]), set(self.compose["networks"]))
+            for volume in service.get("volumes", []):
+                source = volume.split(":")[0]
+                if not source.startswith("./tls/"):  # That is made by the operator.
+                    is_file = (SOURCE / "deploy" / source).is_file()
+                    self.assertTrue(is_file or source in self.compose["volumes"], source)
+
+    def test_haproxy_asks_every_replica_at_the_port_of_the_image(self):
+        text = (SOURCE / "deploy/haproxy/haproxy.cfg").read_text()
+        port = dockerfile_variables()["CORNERFIX_PORT"]
+        servers = re.findall(r"^    server (\w+) (\w+):(\d+)$", text, re.MULTILINE)
+        expected = [(name, name, port) for name in self.replicas]
+        self.assertEqual(len(self.replicas), 3)
+        self.assertEqual(servers, 2 * expected)
+        upstream = (SOURCE / "deploy/nginx/replicas_upstream.conf").read_text()
+        bound = re.search(r"^    bind :(\d+)$", text, re.MULTILINE).group(1)
+        self.assertIn(f"server haproxy:{bound};", upstream)
+
+    def test_haproxy_takes_its_configuration(self):
+        if not shutil.which("haproxy"):
+            self.skipTest("haproxy is not installed")
+        text = (SOURCE / "deploy/haproxy/haproxy.cfg").read_text()
+        with tempfile.TemporaryDirectory() as directory:
+            file = pathlib.Path(directory) / "haproxy.cfg"
+            # Names of compose services are known to compose only.
+            file.write_text(re.sub(r" replica\d:", " 127.0.0.1:", text))
+            run("haproxy", "-c", "-f", file)
+
+    def test_docker_compose_takes_it(self):
+        if subprocess.run(["docker", "compose", "version"], capture_output=True).returncode != 0:
+            self.skipTest("docker compose is not installed")
+        file = SOURCE / "deploy/compose_replicas.yaml"
+        os.environ["CORNERFIX_DB_PASSWORD"] = "example"
+        run("docker", "compose", "--file", file, "config", "--quiet")
+
+
 class UnitTest(unittest.TestCase):
     def setUp(self):
         self._temporary = tempfile.TemporaryDirectory()
@@ -174,7 +248,7 @@ def main():
     arguments, rest = parser.parse_known_args()
     if yaml is None or not shutil.which("systemd-analyze"):
         skip("python3-yaml or systemd is not installed")
-    for tests in (DockerfileTest, ComposeTest, UnitTest):
+    for tests in (DockerfileTest, ComposeTest, ReplicasTest, UnitTest):
         tests.cornerfix = arguments.cornerfix
     unittest.main(argv=[sys.argv[0], *rest])
 

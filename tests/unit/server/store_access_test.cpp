@@ -8,7 +8,6 @@
 #include <limits>
 #include <string>
 
-#include "storage/statement.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace cornerfix::server {
@@ -95,7 +94,7 @@ TEST_F(StoreAccessTest, IsNotReadyWithDamagedPages) {
 
 TEST_F(StoreAccessTest, IsNotReadyWhenItCannotWrite) {
   const auto other = storage::Database::open(file_, storage::Synchronous::kNormal).value();
-  const storage::WriteTransaction held(*other);
+  const auto held = other->begin(storage::Access::kWrite);
   stores_ = StoreAccess::open(file_, 0).value();  // Waits for no other writer.
   const auto probe = stores_->probe(0);
   ASSERT_FALSE(probe);

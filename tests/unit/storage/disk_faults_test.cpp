@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "storage/database.hpp"
 #include "storage/map_store.hpp"
 #include "storage/session_store.hpp"
+#include "storage/sqlite/sqlite_database.hpp"
 #include "unit/storage/failing_vfs.hpp"
 #include "unit/storage/storage_samples.hpp"
 
@@ -27,7 +27,7 @@ class DiskFaults : public ::testing::TestWithParam<int> {
 
   /// Opens the file anew, as after a crash, and looks for what was acknowledged.
   void check_file(const LocalizerState& acknowledged) {
-    const auto database = Database::open(file_, Synchronous::kNormal);
+    const auto database = SqliteDatabase::open(file_, Synchronous::kNormal);
     ASSERT_TRUE(database) << database.error().message;
     const auto session = SessionStore(*database).find("s1").value();
     ASSERT_TRUE(session.has_value());
@@ -56,7 +56,7 @@ TEST_P(DiskFaults, LoseNoBatchThatWasAcknowledged) {
     const LocalizerState state = sample_state(static_cast<std::uint64_t>(steps), 12, steps);
     bool has_failed = false;
     {
-      const auto database = Database::open(file_, Synchronous::kFull).value();
+      const auto database = SqliteDatabase::open(file_, Synchronous::kFull).value();
       SessionStore store(database);
       disk_.arm(steps, GetParam());
       const auto stored = store.update("s1", next_batch(state));
@@ -93,7 +93,7 @@ TEST_P(DiskFaults, LeaveNoHalfOfAMap) {
   bool was_acknowledged = false;
   for (int steps = 0; steps < kMostSteps && !was_acknowledged; ++steps) {
     {
-      MapStore store(Database::open(file_, Synchronous::kFull).value());
+      MapStore store(SqliteDatabase::open(file_, Synchronous::kFull).value());
       const std::vector<double> stamps = {1000.0 + steps};
       const std::vector<PosedScan> frames = {sample_key_frame(steps)};
       const MapGrowth growth{.stamps = stamps, .new_key_frames = frames};
@@ -101,7 +101,7 @@ TEST_P(DiskFaults, LeaveNoHalfOfAMap) {
       const auto grown = store.grow(store.find("office")->id, revision, growth, "now");
       was_acknowledged = !disk_.disarm() && grown;
     }
-    MapStore store(Database::open(file_, Synchronous::kFull).value());
+    MapStore store(SqliteDatabase::open(file_, Synchronous::kFull).value());
     const auto info = store.find("office");
     const std::size_t growths = info->revision - revision;
     EXPECT_EQ(info->key_frame_count, key_frames + growths);

@@ -5,9 +5,9 @@
 
 #include <functional>
 
-#include "storage/backup.hpp"
 #include "storage/database.hpp"
 #include "storage/map_store.hpp"
+#include "storage/sqlite/backup.hpp"
 #include "unit/storage/storage_samples.hpp"
 
 namespace cornerfix::storage {

@@ -62,8 +62,8 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-std::shared_ptr<Database> open_database(const fs::path& path, Synchronous synchronous) {
-  Result<std::shared_ptr<Database>> database = Database::open(path, synchronous);
+std::shared_ptr<SqliteDatabase> open_database(const fs::path& path, Synchronous synchronous) {
+  auto database = SqliteDatabase::open(path, synchronous);
   if (!database) throw std::runtime_error(database.error().message);
   return *database;
 }

@@ -12,8 +12,8 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/mapper.hpp>
 
-#include "storage/database.hpp"
 #include "storage/session_store.hpp"
+#include "storage/sqlite/sqlite_database.hpp"
 
 namespace cornerfix::storage {
 
@@ -40,7 +40,7 @@ class TempDirectory {
 void write_bytes(const std::filesystem::path& path, const std::string& bytes);
 
 /// Opens or creates; fails the test when that fails.
-[[nodiscard]] std::shared_ptr<Database> open_database(
+[[nodiscard]] std::shared_ptr<SqliteDatabase> open_database(
     const std::filesystem::path& path, Synchronous synchronous = Synchronous::kNormal);
 
 /// Values that differ from `seed` to `seed`, with the bits that are easily lost: NaN, infinity,

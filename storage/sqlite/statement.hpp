@@ -1,10 +1,9 @@
-/// \file  Statements and transactions of the stores. They throw what SQLiteCpp throws: call them
+/// \file  Statements of the tables. They throw what SQLiteCpp throws: call them
 /// under guarded().
 #pragma once
 
 #include <SQLiteCpp/Column.h>
 #include <SQLiteCpp/Statement.h>
-#include <SQLiteCpp/Transaction.h>
 
 #include <cassert>
 #include <cstdint>
@@ -13,29 +12,15 @@
 #include <string_view>
 
 #include "storage/blob_codec.hpp"
-#include "storage/database.hpp"
+#include "storage/sqlite/sqlite_database.hpp"
 
 namespace cornerfix::storage {
-
-/// A snapshot for several statements; ends with the scope.
-class ReadTransaction : public SQLite::Transaction {
- public:
-  explicit ReadTransaction(Database& database) : SQLite::Transaction(database.connection()) {}
-};
-
-/// Holds the file's one write lock from its start, since a lock taken later can fail as busy in
-/// spite of the time-out. Rolled back unless committed.
-class WriteTransaction : public SQLite::Transaction {
- public:
-  explicit WriteTransaction(Database& database)
-      : SQLite::Transaction(database.connection(), SQLite::TransactionBehavior::IMMEDIATE) {}
-};
 
 /// A statement of the database's cache while it is in use. Two with the same text must not be in
 /// use at once.
 class Statement {
  public:
-  Statement(Database& database, std::string_view sql) : statement_(database.prepared(sql)) {}
+  Statement(SqliteDatabase& database, std::string_view sql) : statement_(database.prepared(sql)) {}
   /// An open cursor would keep the snapshot alive.
   ~Statement() { statement_.tryReset(); }
   Statement(const Statement&) = delete;

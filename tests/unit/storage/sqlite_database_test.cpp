@@ -1,4 +1,4 @@
-#include "storage/database.hpp"
+#include "storage/sqlite/sqlite_database.hpp"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "storage/map_store.hpp"
-#include "storage/schema.hpp"
+#include "storage/sqlite/schema.hpp"
 #include "unit/storage/storage_samples.hpp"
 
 namespace cornerfix::storage {
@@ -52,7 +52,7 @@ void copy_as_killed(const fs::path& from, const fs::path& to) {
 void expect_refused_untouched(const TempDirectory& directory, const fs::path& path, ErrorCode code,
                               const std::string& message) {
   const auto before = directory.snapshot();
-  const auto opened = Database::open(path, Synchronous::kFull);
+  const auto opened = SqliteDatabase::open(path, Synchronous::kFull);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, code) << opened.error().message;
   EXPECT_THAT(opened.error().message, HasSubstr(message));
@@ -60,7 +60,7 @@ void expect_refused_untouched(const TempDirectory& directory, const fs::path& pa
   EXPECT_TRUE(directory.snapshot() == before) << "a refused file must stay as it was";
 }
 
-TEST(Database, CreatesAFileOfOurs) {
+TEST(SqliteDatabase, CreatesAFileOfOurs) {
   const TempDirectory directory;
   const auto database = open_database(directory / "new.db");
   SQLite::Database& connection = database->connection();
@@ -68,13 +68,13 @@ TEST(Database, CreatesAFileOfOurs) {
   EXPECT_EQ(connection.execAndGet("PRAGMA user_version").getInt64(), schema_version());
 }
 
-TEST(Database, LeavesOneFileWhenClosed) {
+TEST(SqliteDatabase, LeavesOneFileWhenClosed) {
   const TempDirectory directory;
   make_database(directory / "maps.db");
   EXPECT_THAT(directory.snapshot(), ElementsAre(Key("maps.db")));
 }
 
-TEST(Database, SetsThePragmasThatTheStoresRelyOn) {
+TEST(SqliteDatabase, SetsThePragmasThatTheStoresRelyOn) {
   const TempDirectory directory;
   for (const auto& [synchronous, level] :
        {std::pair(Synchronous::kFull, 2), std::pair(Synchronous::kNormal, 1)}) {
@@ -87,13 +87,13 @@ TEST(Database, SetsThePragmasThatTheStoresRelyOn) {
   }
 }
 
-TEST(Database, TakesAnEmptyFileForANewOne) {
+TEST(SqliteDatabase, TakesAnEmptyFileForANewOne) {
   const TempDirectory directory;
   write_bytes(directory / "empty.db", "");
-  EXPECT_TRUE(Database::open(directory / "empty.db", Synchronous::kFull));
+  EXPECT_TRUE(SqliteDatabase::open(directory / "empty.db", Synchronous::kFull));
 }
 
-TEST(Database, OpensNamesThatWouldMeanSomethingElseInAUri) {
+TEST(SqliteDatabase, OpensNamesThatWouldMeanSomethingElseInAUri) {
   const TempDirectory directory;
   for (const std::string name : {"what?.db", "100%41.db", "a#b.db", ":memory:"}) {
     make_database(directory / name);
@@ -102,7 +102,7 @@ TEST(Database, OpensNamesThatWouldMeanSomethingElseInAUri) {
   }
 }
 
-TEST(Database, ReopensItsOwnFileUnchanged) {
+TEST(SqliteDatabase, ReopensItsOwnFileUnchanged) {
   const TempDirectory directory;
   make_database(directory / "maps.db");
   const auto before = directory.snapshot();
@@ -110,19 +110,19 @@ TEST(Database, ReopensItsOwnFileUnchanged) {
   EXPECT_TRUE(directory.snapshot() == before);
 }
 
-TEST(Database, RefusesAMissingDirectory) {
+TEST(SqliteDatabase, RefusesAMissingDirectory) {
   const TempDirectory directory;
-  const auto opened = Database::open(directory / "nowhere/maps.db", Synchronous::kFull);
+  const auto opened = SqliteDatabase::open(directory / "nowhere/maps.db", Synchronous::kFull);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(Database, RefusesADirectory) {
+TEST(SqliteDatabase, RefusesADirectory) {
   const TempDirectory directory;
-  EXPECT_FALSE(Database::open(directory.path(), Synchronous::kFull));
+  EXPECT_FALSE(SqliteDatabase::open(directory.path(), Synchronous::kFull));
 }
 
-TEST(Database, RefusesWhatIsNotSqlite) {
+TEST(SqliteDatabase, RefusesWhatIsNotSqlite) {
   const TempDirectory directory;
   for (const std::string& bytes : {std::string(2, 'x'), std::string(99, 'x'),
                                    std::string(20000, 'x'), std::string(4096, '\0')}) {
@@ -133,28 +133,28 @@ TEST(Database, RefusesWhatIsNotSqlite) {
 }
 
 // SQLite itself takes a file of one byte for an empty one.
-TEST(Database, RefusesASingleByte) {
+TEST(SqliteDatabase, RefusesASingleByte) {
   const TempDirectory directory;
   write_bytes(directory / "notes.txt", "x");
   expect_refused_untouched(directory, directory / "notes.txt", ErrorCode::kCorruptData,
                            "not a database");
 }
 
-TEST(Database, RefusesAnSqliteFileOfAnotherProgram) {
+TEST(SqliteDatabase, RefusesAnSqliteFileOfAnotherProgram) {
   const TempDirectory directory;
   make_sqlite_file(directory / "other.db", "CREATE TABLE t (x); PRAGMA application_id = 77");
   expect_refused_untouched(directory, directory / "other.db", ErrorCode::kInvalidArgument,
                            "not a Cornerfix database");
 }
 
-TEST(Database, RefusesAnSqliteFileWithoutAnOwner) {
+TEST(SqliteDatabase, RefusesAnSqliteFileWithoutAnOwner) {
   const TempDirectory directory;
   make_sqlite_file(directory / "other.db", "CREATE TABLE t (x)");
   expect_refused_untouched(directory, directory / "other.db", ErrorCode::kInvalidArgument,
                            "not a Cornerfix database");
 }
 
-TEST(Database, RefusesANewerSchema) {
+TEST(SqliteDatabase, RefusesANewerSchema) {
   const TempDirectory directory;
   make_database(directory / "maps.db");
   make_sqlite_file(directory / "maps.db", "PRAGMA user_version = 99");
@@ -162,7 +162,7 @@ TEST(Database, RefusesANewerSchema) {
                            "schema 99");
 }
 
-TEST(Database, RefusesANewerSchemaThatIsInTheWalOnly) {
+TEST(SqliteDatabase, RefusesANewerSchemaThatIsInTheWalOnly) {
   const TempDirectory directory;
   const TempDirectory source;
   make_database(source / "maps.db");
@@ -175,19 +175,19 @@ TEST(Database, RefusesANewerSchemaThatIsInTheWalOnly) {
                            "schema 99");
 }
 
-TEST(Database, RefusesANewerSchemaWhileAnotherProcessHasItOpen) {
+TEST(SqliteDatabase, RefusesANewerSchemaWhileAnotherProcessHasItOpen) {
   const TempDirectory directory;
   make_database(directory / "maps.db");
   SQLite::Database newer((directory / "maps.db").string(), SQLite::OPEN_READWRITE);
   newer.exec("PRAGMA user_version = 99");
   const std::string file = read_bytes(directory / "maps.db");
   const std::string wal = read_bytes(directory / "maps.db-wal");
-  EXPECT_FALSE(Database::open(directory / "maps.db", Synchronous::kFull));
+  EXPECT_FALSE(SqliteDatabase::open(directory / "maps.db", Synchronous::kFull));
   EXPECT_EQ(read_bytes(directory / "maps.db"), file);
   EXPECT_EQ(read_bytes(directory / "maps.db-wal"), wal);
 }
 
-TEST(Database, RefusesATruncatedFile) {
+TEST(SqliteDatabase, RefusesATruncatedFile) {
   const TempDirectory directory;
   make_database(directory / "maps.db");
   const std::string whole = read_bytes(directory / "maps.db");
@@ -198,7 +198,7 @@ TEST(Database, RefusesATruncatedFile) {
   }
 }
 
-TEST(Database, RefusesAFileWithAnOverwrittenPage) {
+TEST(SqliteDatabase, RefusesAFileWithAnOverwrittenPage) {
   const TempDirectory directory;
   make_database(directory / "maps.db");
   const std::string whole = read_bytes(directory / "maps.db");
@@ -210,7 +210,7 @@ TEST(Database, RefusesAFileWithAnOverwrittenPage) {
   }
 }
 
-TEST(Database, GoesOnFromTheWalOfAKilledProcess) {
+TEST(SqliteDatabase, GoesOnFromTheWalOfAKilledProcess) {
   const TempDirectory directory;
   const TempDirectory source;
   {
@@ -242,7 +242,7 @@ std::string page_in_wal(const std::string& wal, std::uint32_t number, std::size_
 }
 
 // A checkpoint writes page 1 first, whose page count then exceeds the file's length.
-TEST(Database, GoesOnAfterACheckpointThatWroteTheFirstPageOnly) {
+TEST(SqliteDatabase, GoesOnAfterACheckpointThatWroteTheFirstPageOnly) {
   const TempDirectory directory;
   const TempDirectory source;
   {
@@ -266,7 +266,7 @@ TEST(Database, GoesOnAfterACheckpointThatWroteTheFirstPageOnly) {
   EXPECT_EQ(key_frames->size(), 60U);
 }
 
-TEST(Database, RollsBackWhatAKilledMigrationLeft) {
+TEST(SqliteDatabase, RollsBackWhatAKilledMigrationLeft) {
   const TempDirectory directory;
   const TempDirectory source;
   make_database(source / "maps.db");
@@ -284,7 +284,7 @@ TEST(Database, RollsBackWhatAKilledMigrationLeft) {
   EXPECT_EQ(key_frames->size(), 60U);
 }
 
-TEST(Database, KeepsWhatItAcknowledgedWhenTheProcessIsKilled) {
+TEST(SqliteDatabase, KeepsWhatItAcknowledgedWhenTheProcessIsKilled) {
   const TempDirectory directory;
   const fs::path path = directory / "maps.db";
   std::array<int, 2> acknowledged{};
@@ -309,7 +309,7 @@ TEST(Database, KeepsWhatItAcknowledgedWhenTheProcessIsKilled) {
   for (int i = 0; i < kAcknowledged; ++i) EXPECT_TRUE(store.find(std::to_string(i))) << i;
 }
 
-TEST(Database, OpensWhileAnotherConnectionIsOpen) {
+TEST(SqliteDatabase, OpensWhileAnotherConnectionIsOpen) {
   const TempDirectory directory;
   const auto first = open_database(directory / "maps.db");
   MapStore store(first);
@@ -318,7 +318,7 @@ TEST(Database, OpensWhileAnotherConnectionIsOpen) {
   EXPECT_TRUE(second.find("office"));
 }
 
-TEST(Database, IsCreatedOnceByProcessesThatStartTogether) {
+TEST(SqliteDatabase, IsCreatedOnceByProcessesThatStartTogether) {
   const TempDirectory directory;
   constexpr int kThreads = 6;
   std::barrier start(kThreads);
@@ -328,7 +328,7 @@ TEST(Database, IsCreatedOnceByProcessesThatStartTogether) {
     for (int i = 0; i < kThreads; ++i) {
       threads.emplace_back([&, i] {
         start.arrive_and_wait();
-        const auto database = Database::open(directory / "maps.db", Synchronous::kFull);
+        const auto database = SqliteDatabase::open(directory / "maps.db", Synchronous::kFull);
         if (!database) errors[static_cast<std::size_t>(i)] = database.error().message;
       });
     }
@@ -336,7 +336,7 @@ TEST(Database, IsCreatedOnceByProcessesThatStartTogether) {
   EXPECT_EQ(errors, std::vector<std::string>(kThreads));
 }
 
-TEST(Database, OpensAnotherConnectionToTheSameFile) {
+TEST(SqliteDatabase, OpensAnotherConnectionToTheSameFile) {
   const TempDirectory directory;
   const auto first = open_database(directory / "maps.db");
   MapStore store(first->open_another(Synchronous::kFull).value());
@@ -344,7 +344,7 @@ TEST(Database, OpensAnotherConnectionToTheSameFile) {
   EXPECT_TRUE(MapStore(first).find("office"));
 }
 
-TEST(Database, TellsWhenAnotherConnectionChangedTheFile) {
+TEST(SqliteDatabase, TellsWhenAnotherConnectionChangedTheFile) {
   const TempDirectory directory;
   const auto database = open_database(directory / "maps.db");
   MapStore other(open_database(directory / "maps.db"));
@@ -353,7 +353,7 @@ TEST(Database, TellsWhenAnotherConnectionChangedTheFile) {
   EXPECT_NE(database->data_version().value(), before);
 }
 
-TEST(Database, DoesNotTellOfItsOwnChanges) {
+TEST(SqliteDatabase, DoesNotTellOfItsOwnChanges) {
   const TempDirectory directory;
   const auto database = open_database(directory / "maps.db");
   const std::int64_t before = database->data_version().value();
@@ -361,12 +361,12 @@ TEST(Database, DoesNotTellOfItsOwnChanges) {
   EXPECT_EQ(database->data_version().value(), before);
 }
 
-TEST(Database, IsReady) {
+TEST(SqliteDatabase, IsReady) {
   const TempDirectory directory;
   EXPECT_TRUE(open_database(directory / "maps.db")->probe());
 }
 
-TEST(Database, IsNotReadyOnceANewerProgramMigratedTheFile) {
+TEST(SqliteDatabase, IsNotReadyOnceANewerProgramMigratedTheFile) {
   const TempDirectory directory;
   const auto database = open_database(directory / "maps.db");
   make_sqlite_file(directory / "maps.db", "PRAGMA user_version = 99");
@@ -375,18 +375,18 @@ TEST(Database, IsNotReadyOnceANewerProgramMigratedTheFile) {
   EXPECT_EQ(ready.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(Database, SaysBusyWhenAnotherWriterDoesNotEnd) {
+TEST(SqliteDatabase, SaysBusyWhenAnotherWriterDoesNotEnd) {
   const TempDirectory directory;
   const auto first = open_database(directory / "maps.db");
   MapStore store(
-      Database::open(directory / "maps.db", Synchronous::kNormal, kShortTimeoutMs).value());
+      SqliteDatabase::open(directory / "maps.db", Synchronous::kNormal, kShortTimeoutMs).value());
   const SQLite::Transaction writer(first->connection(), SQLite::TransactionBehavior::IMMEDIATE);
   const auto put = store.put("office", std::nullopt, std::nullopt, std::nullopt, "now");
   ASSERT_FALSE(put);
   EXPECT_EQ(put.error().code, ErrorCode::kUnavailable);
 }
 
-TEST(Database, EndsForeignExceptionsAsErrors) {
+TEST(SqliteDatabase, EndsForeignExceptionsAsErrors) {
   const Result<int> result = guarded([]() -> Result<int> { throw std::bad_alloc(); });
   EXPECT_EQ(result.error().code, ErrorCode::kInternal);
 }

@@ -1,4 +1,4 @@
-#include "storage/database_image.hpp"
+#include "storage/sqlite/database_image.hpp"
 
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Statement.h>

@@ -1,4 +1,4 @@
-#include "storage/backup.hpp"
+#include "storage/sqlite/backup.hpp"
 
 #include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/Database.h>
@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "storage/database.hpp"
-#include "storage/schema.hpp"
+#include "storage/sqlite/schema.hpp"
 
 namespace cornerfix::storage {
 namespace {
