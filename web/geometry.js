@@ -7,6 +7,16 @@ export const transform = (pose, [x, y]) => ({
 
 export const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
+// The place that is nearest to a point, at most `reach_m` away, or null.
+export function nearest(places, point, reach_m) {
+  let best = null;
+  for (const place of places) {
+    const away = distance(place, point);
+    if (away <= reach_m && (!best || away < best.away)) best = { place, away };
+  }
+  return best?.place ?? null;
+}
+
 // Half axes [m] and direction [rad] of the ellipse at `sigmas` standard deviations, out of a
 // row-major covariance of x, y, yaw.
 export function covarianceEllipse(covariance, sigmas) {

@@ -69,6 +69,15 @@ export class Grid {
     return false;
   }
 
+  // Calls back with the middle of each wall cell [m].
+  eachWall(found) {
+    this.#cell(0, 0);
+    this.#cells.forEach((cell, index) => cell === CELL.wall && found({
+      x: this.bounds.min_x + ((index % this.width) + 0.5) * this.resolution,
+      y: this.bounds.min_y + (this.height - Math.floor(index / this.width) - 0.5) * this.resolution,
+    }));
+  }
+
   // Where a ray from `from` first meets a wall, at most `reach_m` away; null when it meets none.
   rayLength(from, yaw, reach_m) {
     const step = this.resolution / 2;
