@@ -353,7 +353,6 @@ class Inspector {
   async #mapAdded(name) {
     await this.reload();
     this.goTo({ map: name, tab: 'maps', view: null });
-    this.#mapList.scrollToChosen();
   }
 
   #viewMoved(view) {

@@ -5,6 +5,12 @@ export const transform = (pose, [x, y]) => ({
   y: pose.y + x * Math.sin(pose.yaw) + y * Math.cos(pose.yaw),
 });
 
+// The point in base_link, as [x, y], of a place in the frame of the pose.
+export const inverseTransform = (pose, { x, y }) => {
+  const [cos, sin, dx, dy] = [Math.cos(pose.yaw), Math.sin(pose.yaw), x - pose.x, y - pose.y];
+  return [cos * dx + sin * dy, -sin * dx + cos * dy];
+};
+
 export const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
 // The place that is nearest to a point, at most `reach_m` away, or null.

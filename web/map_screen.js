@@ -167,7 +167,8 @@ export class MapScreen {
     setText(part('map-caption'), [options.measure.checked ? '' : past, text].filter(Boolean).join(' '));
   }
 
-  #candidatesText({ candidates, before }, chosen) {
+  #candidatesText({ answer, candidates, before }, chosen) {
+    if (!answer.local) return '';  // A past answer whose candidate poses were not kept.
     const grey = before?.map === this.shownMap ? ' Grey: the last known pose.' : '';
     if (candidates.some(({ map }) => map === this.shownMap)) return `Dashed: poses that may be the robot's. The scan lies on pose ${chosen + 1}.${grey}`;
     return candidates.length ? `The poses that may be the robot's are on the map ${candidates[0].map}.` : `No pose is known.${grey}`;

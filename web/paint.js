@@ -11,6 +11,7 @@ const MIN_ROBOT_SCALE = 26;  // [px/m]: the arrow stays visible in a view of the
 const MAX_PAIRS = 8;
 const MATCH_M = 0.5;  // Between a corner of the local map and the map's.
 const CLOSE_SCALE = 24;  // [px/m]
+const FAR_SCALE = 12;    // [px/m]: below, rings would hide the walls.
 const MAX_RINGS = 3000;
 const WAY_COLORS = [[0.5, 'way-none'], [3, 'way-short'], [8, 'way-long'], [Infinity, 'way-hard']];  // Up to metres.
 
@@ -160,7 +161,7 @@ export function paintCorners(context, view, corners, chosen) {
   const radius = Math.min(6, Math.max(1.2, view.scale * 0.12));
   const shown = corners.filter(inView(view.bounds));
   context.strokeStyle = context.fillStyle = color('corner');
-  if (shown.length > MAX_RINGS) paintDots(context, view, shown, Math.min(3, radius));
+  if (shown.length > MAX_RINGS || view.scale < FAR_SCALE) paintDots(context, view, shown, Math.min(2, radius));
   else paintRings(context, view, shown, radius);
   if (!chosen) return;
   context.lineWidth = 3;

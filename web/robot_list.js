@@ -39,6 +39,7 @@ export class RobotList {
   #sessions = [];
   #chosen = {};
   #now = 0;
+  #seen = null;  // The chosen session that was scrolled to.
 
   constructor() {
     this.#form.addEventListener('input', () => this.#draw());
@@ -48,6 +49,10 @@ export class RobotList {
   show(sessions, chosen, now) {
     [this.#sessions, this.#chosen, this.#now] = [sessions, chosen, now];
     this.#draw();
+    const row = this.#seen !== chosen.session && this.#list.node(chosen.session);
+    if (!row) return;
+    this.#seen = chosen.session;
+    row.scrollIntoView({ block: 'nearest' });
   }
 
   // Robots by state, for the page's head.

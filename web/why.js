@@ -88,6 +88,7 @@ const REASONS = {
 };
 
 function explainSearch(answer) {
+  if (!answer.local && answer.status === 'ambiguous') return { why: 'More than one pose explained the scans.', todo: '' };
   const known = REASONS[answer.reason];
   if (known) return known(answer);
   if (answer.hypotheses.length) return { why: candidates(answer), todo: 'Drive on: each new wall rules out wrong poses.' };
@@ -126,5 +127,5 @@ export function explain(answer, state) {
 export function settleText({ place, other }) {
   const both = `poses 1 and ${other + 1}`;
   if (!place) return `Within 25 m the map looks the same from ${both}. Drive further, or open the session near a known place.`;
-  return `Drive about ${metres(place.distance_m, 0)} ${directionText(place.bearing)}: there the map differs between ${both}.`;
+  return `Drive about ${metres(place.distance_m, 0)} ${directionText(place.bearing)}${place.hidden ? ', around the wall' : ''}: there the map differs between ${both}.`;
 }

@@ -161,6 +161,16 @@ class MapsTest(PageTest):
         self.wait_for_text("#map-caption", "5.00 m, direction 0.0°")
         self.assertEqual(self.text(".leaflet-control-scale-line")[-1], "m")
 
+    def test_the_chosen_map_is_in_sight(self):
+        self.import_map("room-00", self.room)
+        archive = self.server.archive("room-00")
+        for i in range(1, 30):
+            self.server.restore(f"room-{i:02}", archive)
+        self.open("#map=room-25&tab=maps")
+        self.wait_for(lambda: self.browser.execute_script("""
+          const [row, list] = ['#maps [aria-current]', '#maps'].map((selector) => document.querySelector(selector)?.getBoundingClientRect());
+          return Boolean(row) && row.top >= list.top && row.bottom <= list.bottom;"""), "the chosen map in the list")
+
     def test_two_maps_are_compared(self):
         self.import_map("before", self.room)
         self.import_map("after", write_changed_room(self.directory, self.room))

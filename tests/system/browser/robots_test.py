@@ -188,7 +188,7 @@ class RobotsTest(PageTest):
     def test_what_would_settle_two_poses_is_the_nearest_wall_that_one_lacks(self):
         self.open()
         found = self.browser.execute_async_script(SETTLE)
-        self.assertEqual(found["same"], None)
+        self.assertEqual(found["same"], None, found)
         self.assertAlmostEqual(found["place"]["x"], 4.0, delta=0.5)
         self.assertAlmostEqual(found["place"]["y"], 0.0, delta=0.6)
         self.assertIn("Drive about 4 m ahead: there the map differs between poses 1 and 3", found["text"])
