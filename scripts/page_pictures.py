@@ -22,6 +22,8 @@ PAGE_PX = (1280, 800)
 ANIMATION_PX = (900, 562)
 FRAME_MS = 600
 COLORS = 128
+MARK_COLORS = 48
+VIVID = 70  # Difference of the largest and the smallest channel.
 LOCALIZED_FRAMES = 6
 MAX_FRAMES = 40
 
@@ -84,14 +86,23 @@ def watch(page, robot):
     return frames
 
 
+def colours_of(image, count):
+    return image.quantize(count).getpalette()[:3 * count]
+
+
+def palette_of(frames):
+    """The greys of text and map, and the colours of the marks, which are few pixels."""
+    vivid = [pixel for frame in frames for pixel in frame.getdata() if max(pixel) - min(pixel) > VIVID]
+    marks = Image.new("RGB", (len(vivid), 1))
+    marks.putdata(vivid)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colours_of(frames[-1], COLORS - MARK_COLORS) + colours_of(marks, MARK_COLORS))
+    return palette
+
+
 def save_animation(frames, file):
     small = [frame.resize(ANIMATION_PX, Image.LANCZOS) for frame in frames]
-    # The colours of all statuses: those of the frames beneath each other.
-    sample = small[:: max(1, len(small) // 4)]
-    column = Image.new("RGB", (ANIMATION_PX[0], ANIMATION_PX[1] * len(sample)))
-    for i, frame in enumerate(sample):
-        column.paste(frame, (0, i * ANIMATION_PX[1]))
-    palette = column.quantize(COLORS)
+    palette = palette_of(small)
     images = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in small]
     durations = [FRAME_MS] * (len(images) - 1) + [4 * FRAME_MS]
     images[0].save(file, save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=True)

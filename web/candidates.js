@@ -78,10 +78,11 @@ function showPictures(pictures) {
 }
 
 function showFit(scene, chosen) {
-  const pictures = picturesOf(scene, chosen).map((each) => ({ ...each, grid: scene.gridAt(each.pose), fit: scene.fitAt(each.pose) }))
-    .filter(({ fit }) => fit);
-  const isBare = !pictures.length && scene.points.length > 0;
-  if (isBare) pictures.push({ text: 'On no map', grid: null, pose: { x: 0, y: 0, yaw: 0 }, fit: bareFit(scene.points) });
+  const wanted = picturesOf(scene, chosen);
+  const pictures = wanted.map((each) => ({ ...each, grid: scene.gridAt(each.pose), fit: scene.fitAt(each.pose) }))
+    .filter(({ fit }) => fit);  // The others' maps are not loaded yet.
+  const isBare = !wanted.length && scene.points.length > 0;
+  if (isBare) pictures.push({ text: 'No pose is known', grid: null, pose: { x: 0, y: 0, yaw: 0 }, fit: bareFit(scene.points) });
   part('robot-fit').hidden = !pictures.length;
   if (!pictures.length) return;
   showPictures(pictures);

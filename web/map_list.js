@@ -1,5 +1,5 @@
 // The list of maps: found, sorted, with a thumbnail each.
-import { KeyedList, element, part, setText, show } from './dom.js';
+import { KeyedList, bringIntoSight, element, part, setText, show } from './dom.js';
 import { addressOf } from './address.js';
 import { Thumbnails } from './thumbnails.js';
 import { agoText, plural, sizeText } from './words.js';
@@ -62,7 +62,7 @@ export class MapList {
   // Once: afterwards the list stays where the reader scrolls it.
   #scrollToChosen() {
     this.#seen = this.#chosen.map;
-    this.#list.node(this.#seen).scrollIntoView({ block: 'nearest' });
+    bringIntoSight(this.#list.node(this.#seen));
   }
 
   #makeRow({ map, robots, current, href }) {

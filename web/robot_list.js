@@ -1,5 +1,5 @@
 // The list of robots: those that need somebody first.
-import { KeyedList, element, part, setText, show } from './dom.js';
+import { KeyedList, bringIntoSight, element, part, setText, show } from './dom.js';
 import { addressOf } from './address.js';
 import { explain, stateOf, urgencyOf } from './why.js';
 import { agoText, plural, statusText } from './words.js';
@@ -52,7 +52,7 @@ export class RobotList {
     const row = this.#seen !== chosen.session && this.#list.node(chosen.session);
     if (!row) return;
     this.#seen = chosen.session;
-    row.scrollIntoView({ block: 'nearest' });
+    bringIntoSight(row);
   }
 
   // Robots by state, for the page's head.

@@ -31,8 +31,8 @@ function wallsOnlyAt(one, other, isSeen) {
   return found;
 }
 
-// The middle of the nearest cluster that is large enough, or null.
-function nearestCluster(points, min_count) {
+// The middles of clusters that are large enough, the nearest first.
+function clustersOf(points, min_count) {
   const clusters = new Map();
   for (const [x, y] of points) {
     const key = `${Math.floor(x / CLUSTER_M)},${Math.floor(y / CLUSTER_M)}`;
@@ -42,20 +42,20 @@ function nearestCluster(points, min_count) {
     cluster.y += y;
     ++cluster.count;
   }
-  const middles = [...clusters.values()].filter(({ count }) => count >= min_count)
-    .map(({ x, y, count }) => ({ x: x / count, y: y / count, distance_m: Math.hypot(x, y) / count }));
-  return middles.reduce((best, each) => (best && best.distance_m <= each.distance_m ? best : each), null);
+  return [...clusters.values()].filter(({ count }) => count >= min_count)
+    .map(({ x, y, count }) => ({ x: x / count, y: y / count, distance_m: Math.hypot(x, y) / count, bearing: Math.atan2(y, x) }))
+    .sort((a, b) => a.distance_m - b.distance_m);
 }
 
 // `a` and `b` are {grid, pose}, `points` the last scan in base_link. Null when the maps agree up to
 // REACH_M; otherwise the place in base_link, with its distance, its bearing, and whether a wall of `a`
-// hides it.
+// hides it. A place in sight is preferred.
 export function whereTheyDiffer(a, b, points) {
   const isSeen = seenPlaces(points);
   const walls = [...wallsOnlyAt(a, b, isSeen), ...wallsOnlyAt(b, a, isSeen)];
-  const place = nearestCluster(walls, MIN_WALL_M / a.grid.resolution);
-  if (!place) return null;
-  const bearing = Math.atan2(place.y, place.x);
-  const hidden = a.grid.rayLength(a.pose, a.pose.yaw + bearing, place.distance_m - BEFORE_WALL_M) !== null;
-  return { ...place, bearing, hidden };
+  const places = clustersOf(walls, MIN_WALL_M / a.grid.resolution);
+  const isHidden = ({ bearing, distance_m }) => a.grid.rayLength(a.pose, a.pose.yaw + bearing, distance_m - BEFORE_WALL_M) !== null;
+  const inSight = places.find((place) => !isHidden(place));
+  if (inSight) return { ...inSight, hidden: false };
+  return places.length ? { ...places[0], hidden: true } : null;
 }
