@@ -39,12 +39,22 @@ export function showMap(map, robots, now) {
 
 // What differs from another map, of compareGrids(); `other` is its name.
 export function showComparison(maps, shown, other, differences) {
-  const select = part('compare-with');
-  const names = ['', ...maps.filter(({ name, bounds }) => bounds && name !== shown).map(({ name }) => name)];
-  show(select, ...names.map((name) => element('option', { value: name }, name || 'no other map')));
-  if (document.activeElement !== select) select.value = other ?? '';
-  part('compare-form').hidden = !shown || names.length < 2;
+  const names = maps.filter(({ name, bounds }) => bounds && name !== shown).map(({ name }) => name);
+  showChoices(part('compare-with'), names, other);
+  part('compare-form').hidden = !shown || !names.length;
   show(part('comparison'), ...(other ? comparisonTexts(other, differences) : []));
+}
+
+let shownChoices = '';  // Names of maps; there may be a thousand.
+
+function showChoices(select, names, chosen) {
+  if (shownChoices !== names.join()) {
+    shownChoices = names.join();
+    const options = ['', ...names].map((name) => element('option', { value: name }, name || 'no other map'));
+    select.replaceChildren(...options);
+    select.value = chosen ?? '';
+  }
+  if (document.activeElement !== select) select.value = chosen ?? '';
 }
 
 function comparisonTexts(other, differences) {

@@ -170,7 +170,9 @@ export class MapScreen {
   #candidatesText({ answer, candidates, before }, chosen) {
     if (!answer.local) return '';  // A past answer whose candidate poses were not kept.
     const grey = before?.map === this.shownMap ? ' Grey: the last known pose.' : '';
-    if (candidates.some(({ map }) => map === this.shownMap)) return `Dashed: poses that may be the robot's. The scan lies on pose ${chosen + 1}.${grey}`;
+    const isHere = candidates.some(({ map }) => map === this.shownMap);
+    if (isHere && candidates.length === 1) return `Dashed: the best pose so far, with the scan on it.${grey}`;
+    if (isHere) return `Dashed: poses that may be the robot's. The scan lies on pose ${chosen + 1}.${grey}`;
     return candidates.length ? `The poses that may be the robot's are on the map ${candidates[0].map}.` : `No pose is known.${grey}`;
   }
 

@@ -19,12 +19,12 @@ function matches({ session, state }, { text, wanted }) {
 const mapsText = (session) => session.last_answer?.pose?.map ?? session.maps?.join(', ') ?? 'any map';
 
 function makeRow({ session, state, href, current }) {
-  const { why } = explain(session.last_answer, state);
+  const { why, silence } = explain(session.last_answer, state);
   return element('li', {}, element('a', {
     href, 'data-key': session.id, 'aria-current': current ? 'true' : undefined, 'data-silent': state.silent || state.replaced,
   }, element('strong', {}, session.robot), badge(state.status),
   element('small', { class: 'age' }), element('small', { class: 'map' }, mapsText(session)),
-  (needsHelp(state) || state.replaced) && element('small', { class: 'why' }, why)));
+  (needsHelp(state) || state.replaced) && element('small', { class: 'why' }, silence ? `Silent. ${why}` : why)));
 }
 
 export class RobotList {

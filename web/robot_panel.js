@@ -33,10 +33,10 @@ function answerRows(answer) {
 }
 
 function showWhy(answer, state, scene, chosen) {
-  const { why, todo } = explain(answer, state);
+  const { why, todo, silence = '' } = explain(answer, state);
   const settle = scene && !scene.isAccepted && answer.status !== 'lost' && !state.silent ? scene.settle(chosen) : undefined;
   const advice = settle ? settleText(settle) : todo;
-  show(part('robot-why'), element('p', { class: 'why' }, why), advice && element('p', { class: 'todo' }, advice));
+  show(part('robot-why'), element('p', { class: 'why' }, `${silence} ${why}`.trim()), advice && element('p', { class: 'todo' }, advice));
 }
 
 function showNone() {

@@ -110,7 +110,7 @@ function explainAnswer(answer) {
   return { ...search, why: `The scans no longer fit the pose that was known. ${search.why}` };
 }
 
-// {why, todo} of a robot; `answer` is null before its first scan.
+// {why, todo} of a robot, and `silence` when it sends no scans; `answer` is null before its first scan.
 export function explain(answer, state) {
   if (!answer) return { why: 'The session is open, but no scan has come.', todo: 'Check that the robot posts its scans.' };
   const found = explainAnswer(answer);
@@ -118,7 +118,8 @@ export function explain(answer, state) {
   if (!state.silent) return found;
   const before = answer.pose ? 'It was localized then; where it is now is not known.' : found.why;
   return {
-    why: `No scan has come for ${durationText(state.age_s)}. ${before}`,
+    why: before,
+    silence: `No scan has come for ${durationText(state.age_s)}.`,
     todo: 'Check the robot and its network; delete the session when the robot is gone.',
   };
 }
