@@ -11,7 +11,7 @@ sys.dont_write_bytecode = True
 from support import ActionChains, Keys, PageTest, Robot, Server, main, write_symmetric_room  # noqa: E402
 
 ACCESSIBILITY = (pathlib.Path(__file__).parent / "accessibility.js").read_text()
-AXE = os.environ.get("CORNERFIX_AXE")  # axe.min.js of the npm package axe-core, which Debian has not.
+AXE = os.environ.get("AXE_CORE")  # axe.min.js of the npm package axe-core, which Debian has not.
 NAMED_ROLES = {"button", "link", "textbox", "searchbox", "combobox", "checkbox", "slider", "tab", "img", "progressbar",
                "dialog", "application", "navigation", "complementary", "tabpanel", "tablist"}
 TOKEN = "correct-horse-battery"
@@ -55,7 +55,7 @@ class MannersTest(PageTest):
           axe.run().then(({violations}) => done(violations), (error) => done(String(error)));""")
         return [f"axe {each['id']}: {each['nodes'][0]['html'][:200]}" for each in found]
 
-    @unittest.skipUnless(AXE, "CORNERFIX_AXE names no axe.min.js")
+    @unittest.skipUnless(AXE, "AXE_CORE names no axe.min.js")
     def test_axe_finds_a_fault_that_is_there(self):
         self.open()
         self.wait_for_text("#robots", self.robot.header.get("robot", "r-1"))
