@@ -1,5 +1,6 @@
 #include "api/answer_history.hpp"
 
+#include <cassert>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -17,7 +18,15 @@ Json past_pose_json(const std::optional<PastPose>& pose) {
           {"confirmed", pose->confirmed}};
 }
 
+Json recorded_answer_json(const RecordedAnswer& recorded, const std::string& received) {
+  Json json =
+      with_points(Json::parse(recorded.answer), recorded.last_scan, recorded.features_base_link);
+  json["received"] = received;
+  return json;
+}
+
 Json past_answer_json(const PastAnswer& answer) {
+  if (answer.recorded) return recorded_answer_json(*answer.recorded, answer.received);
   const bool has_reason = answer.reason != Reason::kNone;
   return {{"sequence", answer.sequence},
           {"received", answer.received},
@@ -37,7 +46,8 @@ void AnswerHistory::add(const Answer& answer, std::uint64_t sequence, std::strin
                   .reason = answer.reason,
                   .pose = std::nullopt,
                   .confidence = answer.confidence,
-                  .times = answer.times};
+                  .times = answer.times,
+                  .recorded = std::nullopt};
   if (answer.status == Status::kLocalized && answer.pose) {
     past.pose = PastPose{.map = std::string(answer.pose->map->name()),
                          .revision = answer.pose->map->revision(),
@@ -47,6 +57,12 @@ void AnswerHistory::add(const Answer& answer, std::uint64_t sequence, std::strin
   }
   if (answers_.size() == kMaxAnswers) answers_.pop_front();
   answers_.push_back(std::move(past));
+}
+
+void AnswerHistory::record(RecordedAnswer recorded, std::size_t max_recorded) {
+  assert(!answers_.empty() && max_recorded > 0);
+  answers_.back().recorded = std::move(recorded);
+  if (answers_.size() > max_recorded) answers_[answers_.size() - 1 - max_recorded].recorded.reset();
 }
 
 Json render_history(std::string_view session, const std::deque<PastAnswer>& answers) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <cornerfix/localizer.hpp>
 
@@ -21,7 +22,14 @@ struct PastPose {
   bool confirmed = false;
 };
 
-/// An answer without its candidate poses.
+/// The answer as it was sent, with what it was made from.
+struct RecordedAnswer {
+  std::string answer;  ///< Rendered.
+  RobotScan last_scan;
+  std::vector<Point2> features_base_link;
+};
+
+/// An answer without its candidate poses, unless it is recorded.
 struct PastAnswer {
   std::uint64_t sequence = 0;
   std::string received;  ///< When its batch was taken, RFC 3339.
@@ -30,6 +38,7 @@ struct PastAnswer {
   std::optional<PastPose> pose;  ///< Only when localized.
   double confidence = 0.0;
   StepTimes times;
+  std::optional<RecordedAnswer> recorded;
 };
 
 /// Keeps the newest answers. Not synchronised.
@@ -38,6 +47,9 @@ class AnswerHistory {
   static constexpr std::size_t kMaxAnswers = 300;
 
   void add(const Answer& answer, std::uint64_t sequence, std::string received);
+
+  /// Keeps the newest answer whole, and of those before only the newest `max_recorded - 1`.
+  void record(RecordedAnswer recorded, std::size_t max_recorded);
 
   /// Oldest first.
   [[nodiscard]] const std::deque<PastAnswer>& answers() const { return answers_; }

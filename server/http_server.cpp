@@ -220,6 +220,7 @@ Result<void> HttpServer::Impl::open_services() {
           .max_session_bytes = config.max_session_bytes,
           .max_sessions_per_robot = config.max_sessions_per_robot,
           .max_searched_map_bytes = config.max_searched_map_bytes,
+          .recorded_answers = config.recorded_answers,
           .expired_before =
               [days = std::chrono::days(config.session_expiry_days)] {
                 return time_text(std::chrono::system_clock::now() - days);

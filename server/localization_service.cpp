@@ -504,6 +504,8 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   session.is_answered = true;
   session.last_scan = last;
   session.feature_points = session.localizer->local_features_base_link();
+  if (settings_.recorded_answers > 0)
+    session.history.record({answer, last, session.feature_points}, settings_.recorded_answers);
   session.is_current = true;
   if (settings_.on_batch) {
     settings_.on_batch({session.record.id, session.record.robot}, batch.events,

@@ -109,6 +109,7 @@ struct LocalizationServiceSettings {
   std::size_t max_sessions_per_robot = 100;
   /// Of the maps that one session searches together.
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
+  std::size_t recorded_answers = 0;  ///< Of a session's history, kept with their scans.
   NowText expired_before{};  ///< Sessions last used before this time are removed; may be empty.
   NowText stale_before{};    ///< Sessions last used before this time are stale; may be empty.
 };

@@ -66,7 +66,8 @@ struct ServerConfig {
   std::size_t max_session_bytes = std::size_t{2} << 30U;  ///< Of sessions kept in memory.
   std::size_t max_sessions_per_robot = 100;               ///< More are answered 429.
   int session_expiry_days = 30;                           ///< Then an unused session is removed.
-  int session_stale_s = 60;  ///< Without a batch for longer, a session is `stale`.
+  std::size_t recorded_answers = 0;  ///< Of a session, kept in memory with their scans.
+  int session_stale_s = 60;          ///< Without a batch for longer, a session is `stale`.
 };
 
 /// A value that comes from outside the configuration file.

@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "api/answer_history.hpp"
+
 namespace cornerfix::server {
 namespace {
 
@@ -200,6 +202,9 @@ std::vector<Setting> storage_settings() {
               "A session leaves memory after this time without a batch"),
       integer("session_stale_s", &ServerConfig::session_stale_s, {1, 31'536'000},
               "A session without a batch for longer is stale"),
+      integer("recorded_answers", &ServerConfig::recorded_answers,
+              {0, api::AnswerHistory::kMaxAnswers},
+              "Newest answers of a session that stay in memory with their scans"),
       integer("session_expiry_days", &ServerConfig::session_expiry_days, {1, 36'500},
               "A session is removed after this time without a batch"),
   };

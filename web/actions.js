@@ -2,6 +2,7 @@
 import * as api from './api_client.js';
 import { addDemoMap, openUploads } from './upload_dialog.js';
 import { askDescription, confirmThen } from './dialogs.js';
+import { recordingName, recordingOf } from './recording.js';
 import { saveFile } from './save_file.js';
 import { plural } from './words.js';
 
@@ -52,6 +53,9 @@ const ACTIONS = {
   'choose-candidate': ({ index }, page) => page.chooseCandidate(Number(index)),
   'step-to': ({ index }, page) => page.stepTo(Number(index)),
   'step-live': (_, page) => page.stepTo(Infinity),
+  'play-history': (_, page) => page.playOrPause(),
+  'save-recording': (_, page) => saveFile(recordingName(page.session), recordingOf(page.session, page.history.entries)),
+  'close-recording': (_, page) => page.closeRecording(),
   'show-place': ({ x, y }, page) => page.lookAt({ x: Number(x), y: Number(y) }),
   'try-here': (_, page) => page.tryHere(),
   'stop-trial': (_, page) => page.stopTrial(),

@@ -5,21 +5,24 @@ import { addressOf, readAddress } from './address.js';
 import * as api from './api_client.js';
 import { part, setText } from './dom.js';
 import { GridCache } from './grid_cache.js';
-import { History } from './history.js';
+import { HistoryPanel } from './history_panel.js';
 import { MapList } from './map_list.js';
-import { showMap, showReport } from './map_panel.js';
+import { showComparison, showMap, showReport } from './map_panel.js';
 import { MapScreen } from './map_screen.js';
+import { Playback, answerOf } from './playback.js';
+import { readRecording } from './recording.js';
 import { RobotList } from './robot_list.js';
-import { RobotPanel } from './robot_panel.js';
+import { showRobot } from './robot_panel.js';
 import { Scene } from './scene.js';
 import { setUpUploads } from './upload_dialog.js';
-import { durationText } from './words.js';
+import { agoText, durationText, plural, timeText } from './words.js';
 import { Trial } from './trial.js';
 import { stateOf } from './why.js';
 
 const REFRESH_MS = 2000;
 const MANY_MAPS = 100;
 const MANY_MAPS_REFRESH_MS = 10000;
+const ADDRESS_MS = 300;  // Browsers limit how often the address may change.
 
 class Inspector {
   #grids = new GridCache({
@@ -44,15 +47,17 @@ class Inspector {
   #truth = null;  // Of the simulated robot, with its session.
   #robotList = new RobotList();
   #mapList = new MapList();
-  #robotPanel = new RobotPanel();
+  #historyPanel = new HistoryPanel();
   #maps = [];
   #maps_read_ms = 0;
   #sessions = [];
-  #chosen = { map: null, session: null, tab: 'robots', view: null };
+  #chosen = { map: null, session: null, answer: null, tab: 'robots', compare: null, view: null };
   #scene = null;
-  #history = new History();
+  #past = null;  // The scene of an answer that is looked at again, with its entry.
+  #playback = new Playback({ stepped: () => this.#stepped() });
+  #recording = null;  // What readRecording() gave, while it is shown.
+  #addressTimer = null;
   #candidate = 0;
-  #step = null;  // Index into the history, or null for the last answer.
   #stopWatching = () => {};
   #notices = new Map();
 
@@ -64,12 +69,14 @@ class Inspector {
     for (const event of ['mouseover', 'focusin']) part('robot-candidates').addEventListener(event, (e) => this.#hoverRow(e));
     part('robot-candidates').addEventListener('mouseleave', () => this.#screen.hover(null));
     part('history-step').addEventListener('input', (event) => this.stepTo(Number(event.target.value)));
+    part('recording-file').addEventListener('change', (event) => this.#openFile(event.target));
+    part('compare-with').addEventListener('change', ({ target }) => this.goTo({ compare: target.value || null }));
     part('token-form').addEventListener('submit', (event) => this.#signIn(event));
     for (const tab of ['robots', 'maps']) {
       part(`tab-${tab}`).addEventListener('click', () => this.goTo({ tab }));
       part(`tab-${tab}`).addEventListener('keydown', (event) => this.#otherTab(event, tab));
     }
-    setUpUploads({ maps: () => this.#maps, done: (map) => this.#mapAdded(map) });
+    setUpUploads({ maps: () => this.#maps, done: (map) => this.#mapAdded(map), open: (file) => this.openRecording(file) });
     this.#choose();
     const again = async () => {
       await this.refresh();
@@ -79,7 +86,7 @@ class Inspector {
   }
 
   get session() {
-    return this.#sessions.find(({ id }) => id === this.#chosen.session) ?? null;
+    return this.#recording?.session ?? this.#sessions.find(({ id }) => id === this.#chosen.session) ?? null;
   }
 
   get map() {
@@ -93,14 +100,50 @@ class Inspector {
 
   chooseCandidate(index) {
     this.#candidate = index;
-    const map = this.#scene?.candidates[index]?.map;
+    const map = this.#shownScene()?.candidates[index]?.map;
     if (map && map !== this.#chosen.map) this.goTo({ map, view: null });
     this.#render();
   }
 
+  get history() {
+    return this.#playback.history;
+  }
+
   stepTo(index) {
-    this.#step = index >= this.#history.entries.length - 1 ? null : index;
+    this.#playback.pause();
+    this.#playback.stepTo(index);
+  }
+
+  playOrPause() {
+    if (this.#playback.isPlaying) this.stepTo(this.#playback.index);
+    else this.#playback.play();
+  }
+
+  // A recording from a file takes the place of the chosen robot.
+  async openRecording(file) {
+    try {
+      const { robot, lidar, maps, answers } = await readRecording(file);
+      this.goTo({ session: null, answer: null, tab: 'robots', view: null });
+      this.#watch(null);
+      const last = answers.at(-1);
+      this.#recording = { name: file.name, session: { id: null, robot, lidar, maps, last_seen: last.received, last_answer: answerOf(last) } };
+      this.history.load(answers);
+      this.#notice('recording', '');
+      this.stepTo(0);
+    } catch (error) {
+      this.#notice('recording', error.message);
+    }
+  }
+
+  closeRecording() {
+    this.#watch(this.#chosen.session);
     this.#render();
+  }
+
+  async #openFile(field) {
+    const [file] = field.files;
+    if (file) await this.openRecording(file);
+    field.value = '';
   }
 
   tryHere() {
@@ -153,7 +196,7 @@ class Inspector {
     [this.#maps, this.#sessions] = [maps, sessions];
     this.#grids.know(maps);
     const answer = this.session?.last_answer;
-    if (answer && answer.sequence > (this.#scene?.answer.sequence ?? -1)) this.#take(answer);
+    if (!this.#recording && answer && answer.sequence > (this.#scene?.answer.sequence ?? -1)) this.#take(answer);
   }
 
   #readFailed(error) {
@@ -174,7 +217,7 @@ class Inspector {
 
   // What nobody has to choose: the only robot, a robot's map, the first map.
   #chooseForThem() {
-    if (!this.#chosen.session && this.#sessions.length === 1) this.goTo({ session: this.#sessions[0].id });
+    if (!this.#chosen.session && !this.#recording && this.#sessions.length === 1) this.goTo({ session: this.#sessions[0].id });
     if (this.#chosen.map || !this.#maps.length) return;
     this.goTo({ map: this.session?.last_answer?.pose?.map ?? this.session?.map ?? this.#maps[0].name });
   }
@@ -182,10 +225,12 @@ class Inspector {
   // What the address asks for.
   #choose() {
     const asked = readAddress(location.hash);
-    const isOther = asked.session !== this.#chosen.session;
+    const isOther = asked.session !== this.#chosen.session || Boolean(this.#recording && asked.session);
+    const isOtherAnswer = asked.answer !== null && asked.answer !== this.#playback.entry?.sequence;
     this.#chosen = asked;
     if (asked.view) this.#screen.stopFollowing();
     if (isOther) this.#watch(asked.session);
+    else if (isOtherAnswer) this.#playback.want(asked.answer);
     this.#showTab(asked.tab);
     this.#render();
   }
@@ -226,18 +271,17 @@ class Inspector {
   #watch(id) {
     this.#stopWatching();
     this.#stopWatching = () => {};
-    this.#scene = null;
-    this.#history = new History();
+    [this.#scene, this.#past, this.#recording] = [null, null, null];
+    this.#playback.begin(this.#chosen.answer);
     this.#candidate = 0;
-    this.#step = null;
     this.#notice('watch', '');
     if (id) this.#follow(id);
   }
 
   #follow(id) {
     this.#stopWatching();
-    const history = this.#history;
-    api.sessionHistory(id).then((answers) => history.load(answers)).catch(() => {}).finally(() => this.#render());
+    const { history } = this;
+    api.sessionHistory(id).then((answers) => history.load(answers)).catch(() => {}).finally(() => this.#historyLoaded());
     this.#stopWatching = api.watchSession(id, {
       onAnswer: (answer) => this.#take(answer) && this.#render(),
       onState: (state) => this.#notice('watch', {
@@ -253,19 +297,52 @@ class Inspector {
     if (known && answer.sequence <= known.sequence && !hasMore) return false;
     // The first answer does not lead away from a map that was asked for.
     const isMoved = answer.pose && (known ? answer.pose.map !== known.pose?.map : !this.#chosen.map);
-    this.#scene = new Scene(answer, this.session?.lidar?.mount, this.#grids);
-    this.#history.add(answer, api.serverNow());
-    if (this.#candidate >= this.#scene.candidates.length) this.#candidate = 0;
+    this.#scene = this.#sceneOf(answer, this.history.entries.length);
+    this.history.add(answer, api.serverNow());
     const session = this.session;
     if (session) [session.last_answer, session.status] = [answer, answer.status];
-    if (isMoved && this.#screen.isFollowing && answer.pose.map !== this.#chosen.map) this.goTo({ map: answer.pose.map });
+    if (isMoved && !this.#playback.entry && this.#screen.isFollowing && answer.pose.map !== this.#chosen.map) this.goTo({ map: answer.pose.map });
     return true;
+  }
+
+  // `index` is that of the answer in the history.
+  #sceneOf(answer, index) {
+    return new Scene(answer, { mount: this.session?.lidar?.mount, before: this.history.poseBefore(index), grids: this.#grids });
+  }
+
+  // Of the answer that is looked at, or null before the first one.
+  #shownScene() {
+    const { entry, index } = this.#playback;
+    if (entry && this.#past?.entry !== entry) this.#past = { entry, scene: this.#sceneOf(answerOf(entry), index) };
+    const scene = entry ? this.#past.scene : this.#scene;
+    if (this.#candidate >= (scene?.candidates.length ?? 0)) this.#candidate = 0;
+    return scene;
+  }
+
+  // What they show depends on the grids and on the history.
+  #remakeScenes() {
+    if (this.#scene) this.#scene = this.#sceneOf(this.#scene.answer, this.history.entries.length);
+    this.#past = null;
   }
 
   #gridLoaded() {
     this.#notice('map', '');
-    if (this.#scene) this.#scene = new Scene(this.#scene.answer, this.session?.lidar?.mount, this.#grids);
+    this.#remakeScenes();
     this.#render();
+  }
+
+  #historyLoaded() {
+    this.#remakeScenes();
+    this.#playback.arrived();
+    this.#render();
+  }
+
+  #stepped() {
+    const map = this.#shownScene()?.candidates[0]?.map;
+    if (map && map !== this.#chosen.map && this.#screen.isFollowing) this.goTo({ map });
+    this.#render();
+    clearTimeout(this.#addressTimer);
+    this.#addressTimer = setTimeout(() => this.goTo({ answer: this.#playback.entry?.sequence ?? null }), ADDRESS_MS);
   }
 
   async #watchTrial(session) {
@@ -276,7 +353,6 @@ class Inspector {
   async #mapAdded(name) {
     await this.reload();
     this.goTo({ map: name, tab: 'maps', view: null });
-    this.#mapList.scrollToChosen();
   }
 
   #viewMoved(view) {
@@ -300,19 +376,36 @@ class Inspector {
     this.#notice('missing', isMissing ? `There is no map ${this.#chosen.map}.` : '');
     showMap(map, robots.get(map?.name) ?? 0, now);
     this.#screen.showMap(map, this.#chosen.view);
-    this.#screen.setGrid(map ? this.#grids.get(map.name) : null);
+    const grid = map ? this.#grids.get(map.name) : null;
+    this.#screen.setGrid(grid);
+    const compared = this.#maps.find(({ name }) => name === this.#chosen.compare && name !== map?.name);
+    const differences = this.#screen.compareWith(compared ? this.#grids.get(compared.name) : null);
+    showComparison(this.#maps, map?.name, compared?.name, differences);
   }
 
   #renderRobot(now) {
     const { session } = this;
-    const state = session && stateOf(session, now);
-    const past = this.#step === null ? null : this.#history.entries[this.#step]?.pose ?? null;
-    this.#robotPanel.show({ session, state, scene: this.#scene, chosen: this.#candidate });
-    this.#robotPanel.showHistory(this.#history, this.#step);
+    const { entry, index } = this.#playback;
+    const state = session && (entry ? { status: entry.status, silent: false, replaced: false } : stateOf(session, now));
+    const scene = this.#shownScene();
+    const past = entry ? `Answer ${entry.sequence} of ${timeText(new Date(entry.received))}.` : '';
+    showRobot({ session, state, scene, chosen: this.#candidate, time: past || (session && `Last scan ${agoText(state.age_s)}`) });
+    this.#historyPanel.show(this.#playback, Boolean(this.#recording));
+    this.#showRecording();
     this.#screen.showRobot({
-      scene: this.#scene, path: this.#history.pathOn(this.#chosen.map), chosen: this.#candidate, past,
-      silent: Boolean(state?.silent), truth: this.#truth?.session === session?.id ? this.#truth : null,
+      session: session?.id ?? null, scene, path: this.history.pathOn(this.#chosen.map, index), chosen: this.#candidate, past,
+      silent: Boolean(state?.silent), truth: this.#truth && this.#truth.session === session?.id ? this.#truth : null,
     });
+  }
+
+  #showRecording() {
+    part('recording-bar').hidden = !this.#recording;
+    if (!this.#recording) return;
+    const { name, session } = this.#recording;
+    const unknown = (session.last_answer.pose ?? session.last_answer.hypotheses[0])?.map;
+    const isMissing = unknown && !this.#maps.some((map) => map.name === unknown);
+    setText(part('recording-name'), `Recording ${name}: ${plural(this.history.entries.length, 'answer')} of ${session.robot}.`
+      + `${isMissing ? ` The server has no map ${unknown}.` : ''}`);
   }
 
   #robotsByMap() {

@@ -2,7 +2,7 @@
 /* global Chart */
 import { element } from './dom.js';
 import { color } from './paint.js';
-import { degrees, metres, plural } from './words.js';
+import { degrees, metres, percent, plural } from './words.js';
 
 function facts(corner) {
   const rows = [
@@ -40,13 +40,20 @@ function plot(canvas, points) {
   });
 }
 
-// `descriptor` is a promise of the server's answer.
-export function cornerPopup(corner, descriptor) {
+function aliasesText(aliases) {
+  if (!aliases.length) return 'No other corner of the map has surroundings like it.';
+  return element('span', {}, 'Surroundings like it: ', ...aliases.flatMap(({ corner, share }, i) => [i ? ', ' : '',
+    element('button', { type: 'button', class: 'link', 'data-action': 'show-place', 'data-x': corner.x, 'data-y': corner.y },
+      `corner ${corner.id}`), ` (${percent(share)})`]), '.');
+}
+
+// `descriptor` is a promise of the server's answer, `aliases` those of aliasesOf().
+export function cornerPopup(corner, descriptor, aliases) {
   const figure = element('figure', { class: 'descriptor' });
-  const content = element('div', { class: 'corner-popup' }, element('h3', {}, `Corner ${corner.id}`), facts(corner), figure);
+  const content = element('div', { class: 'corner-popup' }, element('h3', {}, `Corner ${corner.id}`), facts(corner), element('p', { class: 'aliases' }, aliasesText(aliases)), figure);
   descriptor.then((known) => {
     const text = `Its descriptor has ${plural(known.entries.length, 'other corner')}, by distance and angle.`;
-    const canvas = element('canvas', { role: 'img', 'aria-label': text, width: 220, height: 220 });
+    const canvas = element('canvas', { role: 'img', 'aria-label': text, width: 190, height: 190 });
     figure.append(...(window.Chart ? [canvas] : []), element('figcaption', {}, text));
     if (window.Chart) plot(canvas, descriptorPoints(known));
   }).catch((error) => figure.append(`The descriptor could not be loaded: ${error.message}`));

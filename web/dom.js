@@ -27,6 +27,14 @@ export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
+// Scrolls a list to a row. The heights of rows that were never drawn are estimates, so it looks again
+// when they are drawn.
+export function bringIntoSight(row) {
+  const scroll = () => row.scrollIntoView({ block: 'nearest' });
+  scroll();
+  requestAnimationFrame(() => requestAnimationFrame(scroll));
+}
+
 // A list with one row per item. Rows stay as long as their version does, so that long lists refresh
 // without a flicker and without losing the keyboard.
 export class KeyedList {

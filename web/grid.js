@@ -1,4 +1,5 @@
 // An occupancy grid as the page needs it: pictures to draw at several scales, and classes to look up.
+import { distance } from './geometry.js';
 
 const STRIP_ROWS = 256;
 const SMALLEST_LEVEL = 512;  // [px]
@@ -67,6 +68,28 @@ export class Grid {
       }
     }
     return false;
+  }
+
+  // Calls back with the middle of each wall cell [m].
+  eachWall(found) {
+    this.#eachWallIn(0, 0, this.width, this.height, found);
+  }
+
+  // The same for cells at most `reach_m` away from a point.
+  eachWallNear(point, reach_m, found) {
+    const [column, row] = this.#indices(point);
+    const reach = Math.ceil(reach_m / this.resolution);
+    this.#eachWallIn(Math.max(0, column - reach), Math.max(0, row - reach), Math.min(this.width, column + reach),
+      Math.min(this.height, row + reach), (wall) => distance(wall, point) <= reach_m && found(wall));
+  }
+
+  #eachWallIn(left, top, right, bottom, found) {
+    for (let row = top; row < bottom; ++row) {
+      for (let column = left; column < right; ++column) {
+        if (this.#cell(column, row) !== CELL.wall) continue;
+        found({ x: this.bounds.min_x + (column + 0.5) * this.resolution, y: this.bounds.max_y - (row + 0.5) * this.resolution });
+      }
+    }
   }
 
   // Where a ray from `from` first meets a wall, at most `reach_m` away; null when it meets none.

@@ -1,5 +1,5 @@
 // The list of maps: found, sorted, with a thumbnail each.
-import { KeyedList, element, part, setText, show } from './dom.js';
+import { KeyedList, bringIntoSight, element, part, setText, show } from './dom.js';
 import { addressOf } from './address.js';
 import { Thumbnails } from './thumbnails.js';
 import { agoText, plural, sizeText } from './words.js';
@@ -26,6 +26,7 @@ export class MapList {
   #robots = new Map();
   #chosen = {};
   #now = 0;
+  #seen = null;  // The chosen map that was scrolled to.
 
   constructor() {
     this.#form.addEventListener('input', () => this.#draw());
@@ -35,7 +36,9 @@ export class MapList {
   // `robots` counts sessions by map name.
   show(maps, robots, chosen, now) {
     [this.#maps, this.#robots, this.#chosen, this.#now] = [maps, robots, chosen, now];
-    if (!part('maps-pane').hidden) this.#draw();
+    if (part('maps-pane').hidden) return;
+    this.#draw();
+    if (this.#seen !== chosen.map && this.#list.node(chosen.map)) this.#scrollToChosen();
   }
 
   #draw() {
@@ -56,8 +59,10 @@ export class MapList {
     this.#hint(rows.length);
   }
 
-  scrollToChosen() {
-    this.#list.node(this.#chosen.map)?.scrollIntoView({ block: 'nearest' });
+  // Once: afterwards the list stays where the reader scrolls it.
+  #scrollToChosen() {
+    this.#seen = this.#chosen.map;
+    bringIntoSight(this.#list.node(this.#seen));
   }
 
   #makeRow({ map, robots, current, href }) {

@@ -37,6 +37,37 @@ export function showMap(map, robots, now) {
       element('dt', {}, name), element('dd', {}, value)])));
 }
 
+// What differs from another map, of compareGrids(); `other` is its name.
+export function showComparison(maps, shown, other, differences) {
+  const names = maps.filter(({ name, bounds }) => bounds && name !== shown).map(({ name }) => name);
+  showChoices(part('compare-with'), names, other);
+  part('compare-form').hidden = !shown || !names.length;
+  show(part('comparison'), ...(other ? comparisonTexts(other, differences) : []));
+}
+
+let shownChoices = '';  // Names of maps; there may be a thousand.
+
+function showChoices(select, names, chosen) {
+  if (shownChoices !== names.join()) {
+    shownChoices = names.join();
+    const options = ['', ...names].map((name) => element('option', { value: name }, name || 'no other map'));
+    select.replaceChildren(...options);
+    select.value = chosen ?? '';
+  }
+  if (document.activeElement !== select) select.value = chosen ?? '';
+}
+
+function comparisonTexts(other, differences) {
+  if (!differences) return [element('p', { class: 'hint' }, `Loading ${other} …`)];
+  const { places, count } = differences;
+  if (!count) return [element('p', {}, `The walls are those of ${other}.`)];
+  const what = ({ came, went }) => (came && went ? 'walls came and went' : came ? 'walls came' : 'walls went');
+  return [element('p', {}, `${plural(count, 'place')} of 2 × 2 m differ${count === 1 ? 's' : ''} from ${other}:`),
+    element('div', { class: 'legend' }, swatch('came', 'came'), swatch('went', 'went')),
+    element('ul', { class: 'advice' }, ...places.map((place) => (
+      element('li', {}, placeLink(place, `Around ${placeText(place)}`), ` ${what(place)}.`))))];
+}
+
 const swatch = (name, text) => element('span', { class: name }, text);
 
 // Whether the map will work, in one sentence.

@@ -1,8 +1,10 @@
 // The map in the middle: the chosen map with its corners and report, and the chosen robot in it.
 import { cornerDescriptor, mapCorners, mapReport } from './api_client.js';
+import { aliasesOf } from './corner_aliases.js';
 import { cornerPopup } from './corner_popup.js';
 import { part, setText } from './dom.js';
-import { distance } from './geometry.js';
+import { distance, nearest } from './geometry.js';
+import { compareGrids } from './map_compare.js';
 import { MapView } from './map_view.js';
 import * as paint from './paint.js';
 import { metres } from './words.js';
@@ -21,7 +23,9 @@ export class MapScreen {
   #grid = null;
   #corners = [];
   #report = null;
-  #robot = { scene: null, path: [], chosen: 0, hovered: null, past: null, silent: false };
+  #differences = null;
+  #compared = [];  // The two grids that the differences are of.
+  #robot = { session: null, scene: null, path: [], chosen: 0, hovered: null, past: '', silent: false };
   #corner = { hovered: null, chosen: null };
   #measure = [];
 
@@ -36,6 +40,8 @@ export class MapScreen {
     });
     this.#redraw = {
       report: this.#view.addLayer('report', (context, view) => this.#report && paint.paintReport(context, view, this.#report)),
+      differences: this.#view.addLayer('differences', (context, view) => this.#differences
+        && paint.paintDifferences(context, view, this.#differences, this.#grid.resolution)),
       corners: this.#view.addLayer('corners', (context, view) => this.#paintCorners(context, view)),
       live: this.#view.addLayer('live', (context, view) => this.#paintLive(context, view)),
     };
@@ -75,24 +81,43 @@ export class MapScreen {
 
   // Where the address says, else at the robot, else at the whole map.
   #lookFirst(grid) {
-    const pose = this.#robot.scene?.answer.pose;
     if (this.#wantedView) this.#view.setView(this.#wantedView);
     else this.#view.fit(grid.bounds);
-    if (!this.#wantedView && pose && options.follow.checked && pose.map === this.shownMap) this.#view.focus(pose);
+    if (!this.#wantedView && options.follow.checked) this.#lookAtRobot();
     this.#wantedView = null;
   }
 
-  // `robot` is {scene, path, chosen, past, silent, truth}; `past` is a pose that is looked at again,
-  // `truth` that of a simulated robot.
+  // `robot` is {session, scene, path, chosen, past, silent, truth}; `past` names an answer of the past
+  // that is looked at, `truth` is the pose of a simulated robot.
   showRobot(robot) {
-    const before = this.#robot.scene?.answer.pose;
-    this.#robot = { hovered: this.#robot.hovered, ...robot };
+    const before = this.#robot;
+    this.#robot = { hovered: before.hovered, ...robot };
     this.#redraw.live();
     this.#caption();
-    const pose = robot.past ?? robot.scene?.answer.pose;
-    if (!pose || !options.follow.checked || pose.map !== this.shownMap || !this.#grid) return;
-    if (before) this.#view.follow(pose);
-    else this.#view.focus(pose);
+    if (!options.follow.checked || !this.#grid) return;
+    const isOther = before.session !== robot.session || before.scene?.answer.status !== robot.scene?.answer.status;
+    const pose = robot.scene?.answer.pose;
+    if (pose?.map === this.shownMap && before.scene?.answer.pose && before.session === robot.session) this.#view.follow(pose);
+    else if (isOther) this.#lookAtRobot();
+  }
+
+  // At its pose, or at all poses that may be the robot's.
+  #lookAtRobot() {
+    const { scene } = this.#robot;
+    const places = [...scene?.candidates ?? [], scene?.before].filter((pose) => pose?.map === this.shownMap);
+    if (scene?.isAccepted && places.length) this.#view.focus(places[0]);
+    else if (places.length) this.#view.fitPlaces(places);
+  }
+
+  // Another map to compare the shown one with: its Grid, or null for none. Returns what differs, or null.
+  compareWith(other) {
+    const pair = this.#grid && other ? [this.#grid, other] : [];
+    if (pair.length !== this.#compared.length || pair.some((grid, i) => grid !== this.#compared[i])) {
+      this.#compared = pair;
+      this.#differences = pair.length ? compareGrids(...pair) : null;
+      this.#redraw.differences();
+    }
+    return this.#differences;
   }
 
   hover(index) {
@@ -138,12 +163,17 @@ export class MapScreen {
     const { scene, past, chosen } = this.#robot;
     let text = '';
     if (options.measure.checked) text = this.#measureText();
-    else if (past) text = 'An answer of the past.';
-    else if (scene && !scene.isAccepted) {
-      text = scene.candidates.some(({ map }) => map === this.shownMap)
-        ? `Dashed: poses that may be the robot's. The scan lies on pose ${chosen + 1}.` : 'No pose is known yet.';
-    }
-    setText(part('map-caption'), text);
+    else if (scene && !scene.isAccepted) text = this.#candidatesText(scene, chosen);
+    setText(part('map-caption'), [options.measure.checked ? '' : past, text].filter(Boolean).join(' '));
+  }
+
+  #candidatesText({ answer, candidates, before }, chosen) {
+    if (!answer.local) return '';  // A past answer whose candidate poses were not kept.
+    const grey = before?.map === this.shownMap ? ' Grey: the last known pose.' : '';
+    const isHere = candidates.some(({ map }) => map === this.shownMap);
+    if (isHere && candidates.length === 1) return `Dashed: the best pose so far, with the scan on it.${grey}`;
+    if (isHere) return `Dashed: poses that may be the robot's. The scan lies on pose ${chosen + 1}.${grey}`;
+    return candidates.length ? `The poses that may be the robot's are on the map ${candidates[0].map}.` : `No pose is known.${grey}`;
   }
 
   #measureText() {
@@ -159,12 +189,13 @@ export class MapScreen {
     try {
       const corners = wanted?.bounds && options.corners.checked ? await mapCorners(wanted.name) : [];
       if (this.#entry !== wanted && this.#entry?.name !== wanted?.name) return;
-      this.#corners = corners;
+      this.#corners = options.corners.checked ? corners : [];
       this.#on.notice('corners', '');
     } catch (error) {
       this.#on.notice('corners', `The corners of ${wanted.name} could not be loaded: ${error.message}`);
     }
     this.#redraw.corners();
+    this.#redraw.live();
   }
 
   // Asks again until the report is made, unless another map is shown by then.
@@ -193,20 +224,15 @@ export class MapScreen {
     this.#on.report(report);
   }
 
-  #nearest(places, point, reach_m = REACH_PX / this.#view.scale) {
-    let best = null;
-    for (const place of places) {
-      const away = distance(place, point);
-      if (away <= reach_m && (!best || away < best.away)) best = { place, away };
-    }
-    return best?.place ?? null;
+  #nearest(places, point, reach_px = REACH_PX) {
+    return nearest(places, point, reach_px / this.#view.scale);
   }
 
   #candidateAt(point) {
     const { scene } = this.#robot;
     if (!scene || scene.isAccepted) return null;
     const here = scene.candidates.filter(({ map }) => map === this.shownMap);
-    const found = this.#nearest(here, point, 2 * REACH_PX / this.#view.scale);
+    const found = this.#nearest(here, point, 2 * REACH_PX);
     return found ? scene.candidates.indexOf(found) : null;
   }
 
@@ -221,7 +247,7 @@ export class MapScreen {
   }
 
   #hint(point) {
-    const place = this.#report && this.#nearest(this.#report.places, point, 0.5 * this.#report.lattice_m);
+    const place = this.#report && nearest(this.#report.places, point, 0.5 * this.#report.lattice_m);
     if (place) return ` · a robot drives ${metres(place.way_m, 1)} here until it is localized`;
     return this.#corner.hovered ? ` · corner ${this.#corner.hovered.id}` : '';
   }
@@ -242,7 +268,12 @@ export class MapScreen {
     const corner = this.#nearest(this.#corners, point);
     this.#corner.chosen = corner;
     this.#redraw.corners();
-    if (corner) this.#view.openPopup(corner, cornerPopup(corner, cornerDescriptor(this.#entry.name, corner.id)));
+    if (corner) this.#openPopup(corner);
+  }
+
+  #openPopup(corner) {
+    const descriptor = cornerDescriptor(this.#entry.name, corner.id);
+    this.#view.openPopup(corner, cornerPopup(corner, descriptor, aliasesOf(this.#corners, corner)));
   }
 
   #paintCorners(context, view) {
@@ -251,11 +282,10 @@ export class MapScreen {
   }
 
   #paintLive(context, view) {
-    const { scene, path, past, silent, truth } = this.#robot;
+    const { scene, path, silent, truth } = this.#robot;
     paint.paintPath(context, view, path);
     if (truth) paint.paintTruth(context, view, truth);
-    if (past?.map === this.shownMap) paint.paintRobot(context, view, past, { accepted: true, faded: true });
-    else if (scene?.isAccepted) this.#paintAccepted(context, view, scene, silent);
+    if (scene?.isAccepted) this.#paintAccepted(context, view, scene, silent);
     else if (scene) this.#paintCandidates(context, view, scene);
     if (this.#measure.length) paint.paintMeasure(context, view, this.#measure[0], this.#measure[1] ?? null);
   }
@@ -264,9 +294,14 @@ export class MapScreen {
     const { pose, feature_points: corners = [] } = scene.answer;
     if (pose.map !== this.shownMap) return;
     paint.paintHits(context, view, scene.fit(0)?.hits ?? []);
-    paint.paintLocalCorners(context, view, pose, corners);
+    this.#paintLocalCorners(context, view, pose, corners);
     paint.paintEllipse(context, view, pose);
     paint.paintRobot(context, view, pose, { accepted: true, faded: silent });
+  }
+
+  #paintLocalCorners(context, view, pose, points) {
+    paint.paintLocalCorners(context, view, pose, points);
+    paint.paintMatches(context, view, pose, points, this.#corners);
   }
 
   #paintCandidates(context, view, scene) {
@@ -274,12 +309,13 @@ export class MapScreen {
     const isHere = (index) => scene.candidates[index]?.map === this.shownMap;
     if (isHere(shown)) {
       paint.paintHits(context, view, scene.fit(shown)?.hits ?? []);
-      paint.paintLocalCorners(context, view, scene.candidates[shown], scene.answer.feature_points ?? []);
+      this.#paintLocalCorners(context, view, scene.candidates[shown], scene.answer.feature_points ?? []);
     }
+    if (scene.before?.map === this.shownMap) paint.paintRobot(context, view, scene.before, { accepted: true, faded: true });
     scene.candidates.forEach((pose, index) => isHere(index) && paint.paintRobot(context, view, pose, {
       accepted: false, label: String(index + 1), strong: index === shown,
     }));
-    const settle = isHere(0) ? scene.settle() : undefined;
+    const settle = isHere(0) && scene.answer.status !== 'lost' ? scene.settle(shown) : undefined;
     if (settle?.target) paint.paintTarget(context, view, scene.candidates[0], settle.target);
   }
 }

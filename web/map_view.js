@@ -78,6 +78,13 @@ export class MapView {
     this.#map.fitBounds(this.#corners(bounds), { animate: false, padding: [10, 10] });
   }
 
+  // Shows all of these places, but not closer than a pose is shown.
+  fitPlaces(places) {
+    const bounds = L.latLngBounds(places.map(at)).pad(0.25);
+    const zoom = Math.min(this.#map.getBoundsZoom(bounds), BEST_ZOOM);
+    this.#map.setView(bounds.getCenter(), zoom, { animate: false });
+  }
+
   // Pixels per metre.
   get scale() {
     return 2 ** this.#map.getZoom();

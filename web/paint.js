@@ -1,7 +1,7 @@
 // Draws marks on a canvas. `view` has at({x, y}) in pixels and scale [px/m]; colours come from the
 // style sheet, so that dark and light both work.
 import { HIT, HIT_NAMES } from './scan_fit.js';
-import { covarianceEllipse, transform } from './geometry.js';
+import { covarianceEllipse, nearest, transform } from './geometry.js';
 
 const SIGMAS = 3;
 const MIN_ELLIPSE_PX = 4;
@@ -9,7 +9,9 @@ const MIN_ELLIPSE_PX = 4;
 const ROBOT_OUTLINE = [[0.45, 0], [-0.3, 0.28], [-0.15, 0], [-0.3, -0.28]];
 const MIN_ROBOT_SCALE = 26;  // [px/m]: the arrow stays visible in a view of the whole building.
 const MAX_PAIRS = 8;
+const MATCH_M = 0.5;  // Between a corner of the local map and the map's.
 const CLOSE_SCALE = 24;  // [px/m]
+const FAR_SCALE = 12;    // [px/m]: below, rings would hide the walls.
 const MAX_RINGS = 3000;
 const WAY_COLORS = [[0.5, 'way-none'], [3, 'way-short'], [8, 'way-long'], [Infinity, 'way-hard']];  // Up to metres.
 
@@ -78,6 +80,7 @@ function paintLabel(context, [x, y], text, shade, strong) {
 }
 
 export function paintEllipse(context, view, pose) {
+  if (!pose.covariance) return;  // A past answer has none.
   const { major, minor, yaw } = covarianceEllipse(pose.covariance, SIGMAS);
   const [x, y] = view.at(pose);
   const [a, b] = [major, minor].map((half) => Math.max(MIN_ELLIPSE_PX, half * view.scale));
@@ -158,13 +161,40 @@ export function paintCorners(context, view, corners, chosen) {
   const radius = Math.min(6, Math.max(1.2, view.scale * 0.12));
   const shown = corners.filter(inView(view.bounds));
   context.strokeStyle = context.fillStyle = color('corner');
-  if (shown.length > MAX_RINGS) paintDots(context, view, shown, Math.min(3, radius));
+  if (shown.length > MAX_RINGS || view.scale < FAR_SCALE) paintDots(context, view, shown, Math.min(2, radius));
   else paintRings(context, view, shown, radius);
   if (!chosen) return;
   context.lineWidth = 3;
   context.beginPath();
   context.arc(...view.at(chosen), radius + 4, 0, 2 * Math.PI);
   context.stroke();
+}
+
+// Corners of the robot's local map, each joined to the map's corner that it lies on.
+export function paintMatches(context, view, pose, points, corners) {
+  context.strokeStyle = color('local-corner');
+  context.lineWidth = 3;
+  for (const point of points) {
+    const at = transform(pose, point);
+    const match = nearest(corners, at, MATCH_M);
+    if (!match) continue;
+    trace(context, [view.at(at), view.at(match)]);
+    context.stroke();
+  }
+}
+
+// Walls of compareGrids().
+export function paintDifferences(context, view, { came, went }, resolution) {
+  const side = Math.max(3, resolution * view.scale);
+  const isShown = inView(view.bounds);
+  for (const [name, points] of [['came', came], ['went', went]]) {
+    context.fillStyle = color(name);
+    for (const point of points) {
+      if (!isShown(point)) continue;
+      const [x, y] = view.at(point);
+      context.fillRect(x - side / 2, y - side / 2, side, side);
+    }
+  }
 }
 
 // Places of the localizability report in colours by the metres that robots drive, and pairs of

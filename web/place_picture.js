@@ -28,7 +28,9 @@ function drawGrid(context, grid, at, { cos, sin, scale, ratio }) {
   const [x, y] = at({ x: grid.bounds.min_x, y: grid.bounds.max_y });
   const zoom = scale / own;
   context.setTransform(ratio * zoom * cos, -ratio * zoom * sin, ratio * zoom * sin, ratio * zoom * cos, ratio * x, ratio * y);
+  context.filter = color('grid-filter');
   context.drawImage(bitmap, 0, 0);
+  context.filter = 'none';
 }
 
 function drawRobot(context) {

@@ -10,6 +10,7 @@ const OTHER_RUNS = /\.(log|clf|gfs|bag|mcap|db3)(\.gz)?$/i;
 const IMAGE = /\.(pgm|png|bmp)$/i;
 const YAML = /\.ya?ml$/i;
 const ARCHIVE = /\.(cornerfix|sqlite3?)$/i;
+const RECORDING = /\.json$/i;
 const RUN = /\.jsonl(\.gz)?$/i;
 
 let page = null;
@@ -103,7 +104,8 @@ export async function addDemoMap() {
   await start();
 }
 
-// `given` has maps(), the entries there are, and done(name), called when a map is added.
+// `given` has maps(), the entries there are, done(name), called when a map is added, and open(file),
+// which plays a recording.
 export function setUpUploads(given) {
   page = given;
   part('upload-files').addEventListener('change', (event) => take(event.target.files));
@@ -112,6 +114,9 @@ export function setUpUploads(given) {
   document.addEventListener('dragover', (event) => event.preventDefault());
   document.addEventListener('drop', (event) => {
     event.preventDefault();
-    if (event.dataTransfer.files.length && !running) openUploads(event.dataTransfer.files);
+    const { files: dropped } = event.dataTransfer;
+    const recording = [...dropped].find(({ name }) => RECORDING.test(name));
+    if (recording) page.open(recording);
+    else if (dropped.length && !running) openUploads(dropped);
   });
 }

@@ -1,9 +1,10 @@
 // Why a robot is in its state, in one sentence, and what to do about it.
-import { durationText, metres, percent, plural } from './words.js';
+import { directionText, durationText, metres, percent, plural } from './words.js';
 
 export const SILENT_S = 60;
 
-// A session's state as people see it: {status, silent, age_s}. `now` is the server's time [ms].
+// A session's state as people see it: {status, silent, replaced, age_s}. It is replaced when its robot
+// has a newer session. `now` is the server's time [ms].
 export function stateOf(session, now) {
   const age_s = Math.max(0, (now - Date.parse(session.last_seen)) / 1000);
   const answer = session.last_answer;
@@ -11,13 +12,25 @@ export function stateOf(session, now) {
     // After a reset the last answer is one of before.
     status: answer ? (session.status === 'collecting' ? 'collecting' : answer.status) : 'waiting',
     silent: session.stale || age_s > SILENT_S,
+    replaced: Boolean(session.superseded_by),
     age_s,
   };
 }
 
+// The terms that make up `confidence`, or null when they do not belong to it: a robot that is lost
+// has those of before, and poses that are equally good are not judged.
+export function termsOf({ explanation, confidence }) {
+  if (!explanation?.probability_explained) return null;
+  const { probability_explained: explained, probability_best: best } = explanation;
+  return Math.abs(explained * best - confidence) < 0.02 ? explanation : null;
+}
+
 // Robots that need somebody come first.
 const URGENCY = { lost: 0, ambiguous: 1, collecting: 2, waiting: 3, localized: 4 };
-export const urgencyOf = ({ status, silent }) => (silent && status === 'localized' ? 3.5 : URGENCY[status] ?? 2);
+export function urgencyOf({ status, silent, replaced }) {
+  if (replaced) return 5;
+  return silent && status === 'localized' ? 3.5 : URGENCY[status] ?? 2;
+}
 
 const chance = (answer) => `correct with a probability of ${percent(answer.confidence)}`;
 
@@ -35,8 +48,9 @@ const REASONS = {
     why: 'The last scan has no usable return, so nothing can be compared with the map.',
     todo: 'Check the lidar, its range_min and range_max, and that nothing covers it.',
   }),
-  few_features: (answer) => ({
-    why: `${plural(answer.local.scans, 'scan')} showed ${plural(answer.local.features, 'corner')}: too few to search for the pose.`,
+  few_features: ({ local }) => ({
+    why: local ? `${plural(local.scans, 'scan')} showed ${plural(local.features, 'corner')}: too few to search for the pose.`
+      : 'Too few corners were seen to search for the pose.',
     todo: 'Drive on, towards walls, doors or furniture.',
   }),
   searching: () => ({
@@ -74,6 +88,7 @@ const REASONS = {
 };
 
 function explainSearch(answer) {
+  if (!answer.local && answer.status === 'ambiguous') return { why: 'More than one pose explained the scans.', todo: '' };
   const known = REASONS[answer.reason];
   if (known) return known(answer);
   if (answer.hypotheses.length) return { why: candidates(answer), todo: 'Drive on: each new wall rules out wrong poses.' };
@@ -95,20 +110,23 @@ function explainAnswer(answer) {
   return { ...search, why: `The scans no longer fit the pose that was known. ${search.why}` };
 }
 
-// {why, todo} of a robot; `answer` is null before its first scan.
+// {why, todo} of a robot, and `silence` when it sends no scans; `answer` is null before its first scan.
 export function explain(answer, state) {
   if (!answer) return { why: 'The session is open, but no scan has come.', todo: 'Check that the robot posts its scans.' };
   const found = explainAnswer(answer);
+  if (state.replaced) return { why: 'The robot has a newer session.', todo: 'Look at that one, and delete this one.' };
   if (!state.silent) return found;
   const before = answer.pose ? 'It was localized then; where it is now is not known.' : found.why;
   return {
-    why: `No scan has come for ${durationText(state.age_s)}. ${before}`,
+    why: before,
+    silence: `No scan has come for ${durationText(state.age_s)}.`,
     todo: 'Check the robot and its network; delete the session when the robot is gone.',
   };
 }
 
-// What would settle which candidate is correct; `place` is that of whereTheyDiffer().
-export function settleText(place, direction) {
-  if (!place) return 'Within 25 m the map looks the same from both poses: driving further helps only beyond that.';
-  return `Drive about ${metres(place.distance_m, 0)} ${direction}: there the map differs between poses 1 and 2.`;
+// What would settle which candidate is correct, of Scene.settle().
+export function settleText({ place, other }) {
+  const both = `poses 1 and ${other + 1}`;
+  if (!place) return `Within 25 m the map looks the same from ${both}. Drive further, or open the session near a known place.`;
+  return `Drive about ${metres(place.distance_m, 0)} ${directionText(place.bearing)}${place.hidden ? ', around the wall' : ''}: there the map differs between ${both}.`;
 }

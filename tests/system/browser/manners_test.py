@@ -1,14 +1,17 @@
 #!/usr/bin/python3
 """The page's manners: tokens, keyboard, accessibility, narrow and dark screens, and its security policy."""
 import json
+import os
 import pathlib
 import sys
+import unittest
 import urllib.request
 
 sys.dont_write_bytecode = True
 from support import ActionChains, Keys, PageTest, Robot, Server, main, write_symmetric_room  # noqa: E402
 
 ACCESSIBILITY = (pathlib.Path(__file__).parent / "accessibility.js").read_text()
+AXE = os.environ.get("AXE_CORE")  # axe.min.js of the npm package axe-core, which Debian has not.
 NAMED_ROLES = {"button", "link", "textbox", "searchbox", "combobox", "checkbox", "slider", "tab", "img", "progressbar",
                "dialog", "application", "navigation", "complementary", "tabpanel", "tablist"}
 TOKEN = "correct-horse-battery"
@@ -30,13 +33,35 @@ class MannersTest(PageTest):
         self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
             {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
 
+    def overlaps(self, one, other):
+        return self.browser.execute_script("""
+          const [a, b] = [...arguments].map((selector) => document.querySelector(selector).getBoundingClientRect());
+          return a.width > 0 && a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;""", one, other)
+
     def faults(self):
         faults = self.browser.execute_script(f"return ({ACCESSIBILITY});")
         for node in self.browser.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]:
             role = node.get("role", {}).get("value")
             if not node.get("ignored") and role in NAMED_ROLES and not node.get("name", {}).get("value", "").strip():
                 faults.append(f"4.1.2 a {role} without a name: {node.get('properties')}")
-        return faults
+        return faults + self.axe_faults()
+
+    def axe_faults(self):
+        if not AXE:
+            return []
+        self.browser.execute_script(pathlib.Path(AXE).read_text())
+        found = self.browser.execute_async_script("""
+          const done = arguments[0];
+          axe.run().then(({violations}) => done(violations), (error) => done(String(error)));""")
+        return [f"axe {each['id']}: {each['nodes'][0]['html'][:200]}" for each in found]
+
+    @unittest.skipUnless(AXE, "AXE_CORE names no axe.min.js")
+    def test_axe_finds_a_fault_that_is_there(self):
+        self.open()
+        self.wait_for_text("#robots", self.robot.header.get("robot", "r-1"))
+        self.assertEqual(self.axe_faults(), [])
+        self.browser.execute_script("document.querySelector('#robots-pane').append(document.createElement('button'))")
+        self.assertRegex(" ".join(self.axe_faults()), "axe button-name")
 
     def test_it_is_accessible_in_light_and_dark_from_420_px_to_a_wall_screen(self):
         for width in (420, 1024, 1440, 2560):
@@ -52,6 +77,8 @@ class MannersTest(PageTest):
                     self.assertEqual(self.faults(), [])
                     self.find("#add-map").click()
                     self.assertEqual(self.faults(), [])
+                    self.find("#upload-cancel").click()
+                    self.assertEqual(self.overlaps("#map-caption", "#view-options"), False)
 
     def test_everything_is_reached_by_the_keyboard(self):
         self.resize(1440)

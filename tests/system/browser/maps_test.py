@@ -6,6 +6,23 @@ sys.dont_write_bytecode = True
 from support import ActionChains, Keys, PageTest, main, write_symmetric_room  # noqa: E402
 
 
+def write_changed_room(directory, room):
+    """The room with one wall more and one pillar less, as the two files of map_server."""
+    header, size, *_ = room.with_suffix(".pgm").read_bytes().split(b"\n", 1)[0].split(b" ", 1)
+    width, height, _ = map(int, size.split())
+    cells = bytearray(room.with_suffix(".pgm").read_bytes()[-width * height:])
+
+    def fill(x0, y0, x1, y1, value):
+        for row in range(y0, y1):
+            cells[row * width + x0:row * width + x1] = bytes([value] * (x1 - x0))
+
+    fill(140, height - 60, 160, height - 56, 0)
+    fill(165, 35, 195, 65, 254)
+    (directory / "changed.pgm").write_bytes(b"%s %d %d 255\n" % (header, width, height) + bytes(cells))
+    (directory / "changed.yaml").write_text(room.read_text().replace("room.pgm", "changed.pgm"))
+    return directory / "changed.yaml"
+
+
 class MapsTest(PageTest):
     @classmethod
     def set_up_server(cls):
@@ -133,6 +150,7 @@ class MapsTest(PageTest):
         self.click_map(right, down)
         self.wait_for_text(".corner-popup h3", f"Corner {corner['id']}")
         self.wait_for_text(".corner-popup figcaption", "other corner")
+        self.assertRegex(self.text(".corner-popup .aliases"), r"Surroundings like it: corner \d+ \(\d+ %\)")
         self.wait_for(lambda: self.is_shown(".leaflet-popup-close-button"), "the whole popup")
         self.screenshot("map-corner")
         self.find(".leaflet-popup-close-button").click()
@@ -142,6 +160,42 @@ class MapsTest(PageTest):
         self.click_map(96, 0)
         self.wait_for_text("#map-caption", "5.00 m, direction 0.0°")
         self.assertEqual(self.text(".leaflet-control-scale-line")[-1], "m")
+
+    def test_the_chosen_map_is_in_sight(self):
+        self.import_map("room-00", self.room)
+        archive = self.server.archive("room-00")
+        for i in range(1, 30):
+            self.server.restore(f"room-{i:02}", archive)
+        self.open("#map=room-25&tab=maps")
+        self.wait_for(lambda: self.browser.execute_script("""
+          const [row, list] = ['#maps [aria-current]', '#maps'].map((selector) => document.querySelector(selector)?.getBoundingClientRect());
+          return Boolean(row) && row.top >= list.top && row.bottom <= list.bottom;"""), "the chosen map in the list")
+
+    def test_two_maps_are_compared(self):
+        self.import_map("before", self.room)
+        self.import_map("after", write_changed_room(self.directory, self.room))
+        self.open("#map=after&tab=maps")
+        self.wait_for_grid()
+        self.find('#compare-with option[value="before"]').click()
+        self.wait_for_text("#comparison", "differ from before")
+        self.assertEqual(self.fragment()["compare"], "before")
+        text = self.text("#comparison")
+        self.assertRegex(text, r"Around \(7\.\d, 2\.\d\) walls came")
+        self.assertRegex(text, r"Around \(8\.\d, 6\.\d\) walls went")
+        self.screenshot("map-compare")
+        # The link leads a colleague to the same.
+        self.open("#map=before&compare=after&tab=maps")
+        self.wait_for_text("#comparison", "differ from after")
+        self.assertRegex(self.text("#comparison"), r"Around \(7\.\d, 2\.\d\) walls went")
+        self.assertEqual(self.find("#compare-with").get_property("value"), "after")
+        self.find('#compare-with option[value=""]').click()
+        self.wait_for(lambda: not self.text("#comparison"), "no comparison")
+
+    def test_maps_with_the_same_walls_do_not_differ(self):
+        self.import_map("room", self.room)
+        self.server.restore("copy", self.server.archive("room"))
+        self.open("#map=copy&compare=room&tab=maps")
+        self.wait_for_text("#comparison", "The walls are those of room.")
 
     def test_a_map_that_cannot_be_loaded_is_tried_again(self):
         self.import_map("room", self.room)

@@ -45,6 +45,37 @@ const [name, done] = arguments;
 """
 
 
+# Pixels of the marks for the robot's corners.
+LOCAL_CORNER_PIXELS = """
+const canvas = document.querySelector('#map .leaflet-live-pane canvas');
+const wanted = getComputedStyle(document.documentElement).getPropertyValue('--local-corner').trim();
+const [red, green, blue] = [1, 3, 5].map((i) => parseInt(wanted.slice(i, i + 2), 16));
+const drawn = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+let pixels = 0;
+for (let i = 0; i < drawn.length; i += 4) pixels += drawn[i] === red && drawn[i + 1] === green && drawn[i + 2] === blue;
+return pixels;
+"""
+
+# Two poses in a free map of 40 x 40 m; 4 m before the first one is a wall 2 m wide.
+SETTLE = """
+const done = arguments[0];
+(async () => {
+  const [{Grid}, {whereTheyDiffer}, {settleText}] = await Promise.all(['grid', 'settle', 'why'].map((name) => import(`/${name}.js`)));
+  const canvas = new OffscreenCanvas(400, 400);
+  const context = canvas.getContext('2d');
+  context.fillStyle = '#fff';
+  context.fillRect(0, 0, 400, 400);
+  context.fillStyle = '#000';
+  context.fillRect(140, 190, 4, 20);
+  const grid = await Grid.load(await canvas.convertToBlob(),
+    {resolution: 0.1, origin: {x: 0, y: 0, yaw: 0}, negate: false, occupied: 0.65, free: 0.196});
+  const [a, b] = [{x: 10, y: 20, yaw: 0}, {x: 30, y: 20, yaw: 0}].map((pose) => ({grid, pose}));
+  const place = whereTheyDiffer(a, b, []);
+  return {place, text: settleText({place, other: 2}), same: whereTheyDiffer(a, a, [])};
+})().then(done, (error) => done(String(error)));
+"""
+
+
 class RobotsTest(PageTest):
     @classmethod
     def set_up_server(cls):
@@ -104,7 +135,8 @@ class RobotsTest(PageTest):
         self.assertIn("Localized", self.all("#timeline button")[-1].get_attribute("aria-label"))
         self.assertIn("Median per answer", self.text("#times-text"))
         self.find("#history-step").send_keys(Keys.HOME)
-        self.wait_for_text("#history-entry", "Answer0, at")
+        self.wait_for_text("#history-entry", "Answer 0, ")
+        self.assertIn("--recorded-answers", self.text("#history-entry"))
         self.find("#step-live").click()
         self.wait_for(lambda: not self.text("#history-entry"), "the last answer again")
 
@@ -118,13 +150,15 @@ class RobotsTest(PageTest):
         self.wait_for(lambda: len(self.all("#fit-pictures canvas")) == 1, "the scan on the best pose")
         self.wait_for_text("#robot-why", "pose")
         self.assertIn("2 poses explain the scans about equally well", self.text("#robot-why .why"))
-        self.assertIn("looks the same from both poses", self.text("#robot-why .todo"))
+        self.assertIn("looks the same from poses 1 and 2", self.text("#robot-why .todo"))
         header = self.texts("#robot-candidates th")
-        self.assertEqual(header, ["pose", "map", "x", "y", "heading", "explained"])
+        self.assertEqual(header, ["pose", "x", "y", "heading", "local map", "last scan"])
         self.all("#robot-candidates button")[1].click()
         self.wait_for(lambda: len(self.all("#fit-pictures canvas")) == 2, "the chosen pose beside the best")
         self.wait_for_text("#map-caption", "The scan lies on pose 2")
         self.assertIn("on walls", self.text("#fit-pictures .legend"))
+        # Two equal poses are not judged, so there is no probability to show.
+        self.assertNotIn("Probability", self.text("#robot-facts"))
         ActionChains(self.browser).move_to_element(self.all("#robot-candidates tbody tr")[0]).perform()
         self.screenshot("robot-ambiguous")
 
@@ -138,9 +172,50 @@ class RobotsTest(PageTest):
         self.wait_for_text('#robot-head .badge[data-status="lost"]', "Lost")
         self.wait_for_text("#robot-why .why", "no longer fit")
         self.assertTrue(self.text("#robot-why .todo"))
+        # What was explained before the robot was lost is not shown beside what contradicts the map now.
+        self.wait_for(lambda: self.all("#fit-pictures canvas"), "the scan on the map")
+        self.assertEqual(self.texts("#robot-candidates th"), ["pose", "x", "y", "heading", "last scan"])
+        self.assertLess(int(self.texts("#robot-candidates td")[-1].removesuffix(" %")), 50)
+        self.assertNotIn("Probability", self.text("#robot-facts"))
+        # The view is where the robot may be.
+        self.find("#map .leaflet-control-zoom-in").click()
+        self.wait_for(lambda: "x" in self.fragment(), "the view in the address")
+        self.assertLess(abs(float(self.fragment()["x"]) - float(self.texts("#robot-candidates td")[1])), 1.0)
         self.wait_for(lambda: self.texts("#robots strong")[0] == "z-carried", "the lost robot first")
         self.assertEqual(self.texts("#robots strong")[-1], "a-fine")
         self.screenshot("robot-lost")
+
+    def test_what_would_settle_two_poses_is_the_nearest_wall_that_one_lacks(self):
+        self.open()
+        found = self.browser.execute_async_script(SETTLE)
+        self.assertEqual(found["same"], None, found)
+        self.assertAlmostEqual(found["place"]["x"], 4.0, delta=0.5)
+        self.assertAlmostEqual(found["place"]["y"], 0.0, delta=0.6)
+        self.assertIn("Drive about 4 m ahead: there the map differs between poses 1 and 3", found["text"])
+
+    def test_corners_that_the_robot_sees_are_joined_to_those_of_the_map(self):
+        robot = Robot(self.server, self.robot_log)
+        robot.drive_until("localized")
+        self.open(f"#session={robot.id}")
+        self.wait_for_grid()
+        corners = self.find("#view-options [name=corners]")
+        self.wait_for(corners.is_selected, "the map's corners")
+        corners.click()
+        self.wait_for(lambda: self.browser.execute_script(LOCAL_CORNER_PIXELS) > 0, "the robot's corners")
+        apart = self.browser.execute_script(LOCAL_CORNER_PIXELS)
+        corners.click()
+        self.wait_for(lambda: self.browser.execute_script(LOCAL_CORNER_PIXELS) > apart, "lines to the map's corners")
+
+    def test_an_older_session_of_a_robot_needs_nobody(self):
+        Robot(self.server, self.room_log, "twice", "room").drive()
+        newer = Robot(self.server, self.robot_log, "twice")
+        newer.drive_until("localized")
+        self.open()
+        self.wait_for(lambda: len(self.texts("#robots strong")) == 2, "both sessions")
+        self.assertIn("1 robot · 1 localized ·", self.text("#summary"))
+        self.assertIn("has a newer session", self.texts("#robots li")[1])
+        self.find('#robot-filter option[value="help"]').click()
+        self.wait_for(lambda: not self.texts("#robots strong"), "nobody who needs help")
 
     def test_robots_are_filtered_by_name_map_and_state(self):
         robot = Robot(self.server, self.robot_log, "fork-lift-1")

@@ -165,13 +165,14 @@ def start_browser(width=1440, height=900):
 class PageTest(unittest.TestCase):
     """A fresh directory and browser per class; `cls.server` is made by set_up_server()."""
     arguments = None
+    server_options = ()
 
     @classmethod
     def setUpClass(cls):
         directory = tempfile.TemporaryDirectory()
         cls.addClassCleanup(directory.cleanup)
         cls.directory = pathlib.Path(directory.name)
-        cls.server = Server(cls.arguments.cornerfix, "--db", cls.directory / "maps.db")
+        cls.server = Server(cls.arguments.cornerfix, "--db", cls.directory / "maps.db", *cls.server_options)
         cls.addClassCleanup(cls.stop_server)
         cls.set_up_server()
         cls.browser = start_browser()

@@ -49,5 +49,30 @@ TEST(AnswerHistory, KeepsThePoseOfALocalizedRobot) {
                              .dump());
 }
 
+TEST(AnswerHistory, RecordsTheNewestAnswersWholeAndForgetsTheScansOfOlderOnes) {
+  RobotScan scan;
+  scan.scan.angle_increment = 0.5;
+  scan.scan.range_max = 10.0;
+  scan.scan.ranges = {2.0F};
+  AnswerHistory history;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    history.add(collecting(Reason::kNoMotion), i, "t");
+    history.record({.answer = R"({"sequence": 7, "hypotheses": []})",
+                    .last_scan = scan,
+                    .features_base_link = {{1.5, -0.5}}},
+                   2);
+  }
+  const Json answers = render_history("s-1", history.answers())["answers"];
+  ASSERT_EQ(answers.size(), 3U);
+  EXPECT_FALSE(answers[0].contains("scan_points"));
+  EXPECT_EQ(answers[0]["sequence"], 0);
+  for (const std::size_t whole : {1U, 2U}) {
+    EXPECT_EQ(answers[whole]["sequence"], 7) << "the rendered answer itself";
+    EXPECT_EQ(answers[whole]["received"], "t");
+    EXPECT_EQ(answers[whole]["scan_points"].dump(), "[[2.0,0.0]]");
+    EXPECT_EQ(answers[whole]["feature_points"].dump(), "[[1.5,-0.5]]");
+  }
+}
+
 }  // namespace
 }  // namespace cornerfix::api
