@@ -212,6 +212,16 @@ Result<std::int64_t> Database::data_version() {
   });
 }
 
+Result<std::uint64_t> Database::used_bytes() {
+  return guarded([&]() -> Result<std::uint64_t> {
+    const auto number = [&](const char* pragma) {
+      return connection_->execAndGet(std::string("PRAGMA ") + pragma).getInt64();
+    };
+    const std::int64_t pages = number("page_count") - number("freelist_count");
+    return static_cast<std::uint64_t>(pages * number("page_size"));
+  });
+}
+
 Result<void> Database::probe() {
   return guarded([&]() -> Result<void> {
     const std::int64_t found = user_version(*connection_);

@@ -53,6 +53,9 @@ class Database {
   /// or another process, has changed the file. Own changes do not count. Takes microseconds.
   [[nodiscard]] Result<std::int64_t> data_version();
 
+  /// Of the pages that hold something.
+  [[nodiscard]] Result<std::uint64_t> used_bytes();
+
   /// Whether the file can be read and still has the schema of this program.
   [[nodiscard]] Result<void> probe();
 

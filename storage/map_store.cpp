@@ -231,6 +231,14 @@ MapStore::MapStore(std::shared_ptr<Database> database) : database_(std::move(dat
 MapStore::~MapStore() = default;
 MapStore::MapStore(MapStore&&) noexcept = default;
 
+Result<std::size_t> MapStore::count() {
+  return guarded([&]() -> Result<std::size_t> {
+    Statement row(*database_, "SELECT count(*) FROM maps");
+    row.step();
+    return static_cast<std::size_t>(row.number(0));
+  });
+}
+
 Result<std::vector<MapInfo>> MapStore::list(std::string_view after, std::size_t limit) {
   return guarded([&]() -> Result<std::vector<MapInfo>> {
     static const std::string sql = kSelectMap + "WHERE name > ? ORDER BY name LIMIT ?";

@@ -284,8 +284,8 @@ Result<std::vector<SessionRecord>> SessionStore::list(const SessionPage& page) {
     for (row.bind(page.after, page.robot, page.limit); row.step();) {
       SessionRecord record = read_record(*database_, row);
       Result<LocalizerStateOutline> outline = decode_localizer_state(row.blob(8));
-      if (!outline) return in_session(record, outline.error());
-      record.state = std::move(outline->state);
+      record.is_damaged = !outline;
+      if (outline) record.state = std::move(outline->state);
       records.push_back(std::move(record));
     }
     return records;
@@ -297,6 +297,22 @@ Result<std::size_t> SessionStore::count(std::string_view robot) {
     Statement row(*database_, "SELECT count(*) FROM sessions WHERE robot = ?");
     row.bind(robot).step();
     return static_cast<std::size_t>(row.number(0));
+  });
+}
+
+Result<std::size_t> SessionStore::count_all() {
+  return guarded([&]() -> Result<std::size_t> {
+    Statement row(*database_, "SELECT count(*) FROM sessions");
+    row.step();
+    return static_cast<std::size_t>(row.number(0));
+  });
+}
+
+Result<std::string> SessionStore::robot_of(std::string_view id) {
+  return guarded([&]() -> Result<std::string> {
+    Statement row(*database_, "SELECT robot FROM sessions WHERE id = ?");
+    if (!row.bind(id).step()) return unknown_session(id);
+    return row.text(0);
   });
 }
 

@@ -37,6 +37,7 @@ struct SessionRecord {
   std::string last_used{};       ///< When it took its last batch, or was made: as `created`.
   std::uint64_t last_batch = 0;  ///< Digest of the batch that `last_answer` answers; 0: not known.
   std::int64_t number = 0;       ///< Given by insert(); grows from session to session.
+  bool is_damaged = false;       ///< Its stored state cannot be read; only list() gives such ones.
 };
 
 /// Which sessions to list.
@@ -72,6 +73,9 @@ class SessionStore {
   /// By creation. Their states have no submaps.
   [[nodiscard]] Result<std::vector<SessionRecord>> list(const SessionPage& page);
   [[nodiscard]] Result<std::size_t> count(std::string_view robot);
+  [[nodiscard]] Result<std::size_t> count_all();
+  /// The robot of a session, also when its state is damaged. kNotFound.
+  [[nodiscard]] Result<std::string> robot_of(std::string_view id);
   /// Id of the robot's session that was made last; empty when there is none.
   [[nodiscard]] Result<std::string> newest(std::string_view robot);
   /// Removes those last used before `time`; returns how many.
