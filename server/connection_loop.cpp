@@ -243,8 +243,10 @@ void ConnectionLoop::take(Connection& connection, std::string_view bytes) {
 bool ConnectionLoop::make_room(Connection& newest) {
   while (buffered_bytes_ > limits_.buffered_bytes) {
     Connection& slowest = slowest_sender(newest);
-    refuse(slowest, {503, "busy", "Too much is being received; try again."});
-    if (&slowest == &newest) return false;
+    const bool is_newest = &slowest == &newest;
+    refuse(slowest,
+           {503, "busy", "Too much is being received; try again."});  // It may be gone now.
+    if (is_newest) return false;
   }
   return true;
 }
