@@ -97,16 +97,6 @@ TEST(Reset, TakesWhereTheRobotIsNowOrNothing) {
 
 // --- Several lidars
 
-std::string lidars_text() {
-  return std::string(R"({"front": )") + kLidarText + R"(, "rear": {
-      "angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 5,
-      "mount": {"x": -0.2, "y": 0, "yaw": 3, "roll": 3.1415926, "pitch": 0.1}}})";
-}
-
-Parsed<CreateSessionRequest> session_with_lidars(const std::string& lidars) {
-  return parse_create_session(R"({"robot": "r2", "lidars": )" + lidars + "}", BodyFormat::kJson);
-}
-
 TEST(CreateSession, TakesSeveralLidarsOrNone) {
   const auto request = taken(session_with_lidars(lidars_text()));
   ASSERT_EQ(request.lidars.by_name.size(), 2U);

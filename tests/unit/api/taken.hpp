@@ -1,8 +1,9 @@
-/// \file  What a parsed request holds.
+/// \file  What parsed requests hold, and a session of two lidars.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -18,6 +19,16 @@ template <typename Request>
     return {};
   }
   return std::get<Request>(std::move(parsed));
+}
+
+[[nodiscard]] inline std::string lidars_text() {
+  return std::string(R"({"front": )") + kLidarText + R"(, "rear": {
+      "angle_min": 0, "angle_increment": 0.1, "range_min": 0, "range_max": 5,
+      "mount": {"x": -0.2, "y": 0, "yaw": 3, "roll": 3.1415926, "pitch": 0.1}}})";
+}
+
+[[nodiscard]] inline Parsed<CreateSessionRequest> session_with_lidars(const std::string& lidars) {
+  return parse_create_session(R"({"robot": "r2", "lidars": )" + lidars + "}", BodyFormat::kJson);
 }
 
 }  // namespace cornerfix::api
