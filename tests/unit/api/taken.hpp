@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "api/requests.hpp"
+#include "unit/api/scan_text.hpp"
 
 namespace cornerfix::api {
 
