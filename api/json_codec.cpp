@@ -235,6 +235,7 @@ Json render_session(const SessionEntry& session) {
   json["created"] = session.created;
   json["last_seen"] = session.last_seen;
   json["stale"] = session.is_stale;
+  if (session.is_damaged) json["damaged"] = true;
   json["superseded_by"] =
       session.superseded_by.empty() ? Json(nullptr) : Json(session.superseded_by);
   json["expected"] = session.expected;

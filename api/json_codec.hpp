@@ -100,6 +100,7 @@ struct SessionEntry {
   std::string_view options_json;
   std::optional<StartRegion> region;  ///< While it restricts the search.
   const Json* last_answer = nullptr;  ///< Null before the first batch, also after a reset.
+  bool is_damaged = false;            ///< What is stored of its state cannot be read.
 };
 /// `options` are all that are in force, defaults too.
 [[nodiscard]] Json render_session(const SessionEntry& session);

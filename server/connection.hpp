@@ -12,7 +12,7 @@
 
 namespace cornerfix::server {
 
-/// A body up to this size is received before a worker sees the request.
+/// A body up to this size is read to its end even when it is refused, so that the connection stays.
 inline constexpr std::size_t kMaxBufferedBody = std::size_t{1} << 20U;
 
 /// A request whose head has arrived, with its body as far as it was received. A worker has it for

@@ -16,6 +16,7 @@ namespace cornerfix::server {
 namespace {
 
 using Milliseconds = std::chrono::milliseconds;
+using std::chrono_literals::operator""s;
 
 constexpr int kEventsAtOnce = 256;
 constexpr int kAcceptsAtOnce = 1024;
@@ -228,9 +229,7 @@ void ConnectionLoop::take(Connection& connection, std::string_view bytes) {
   count_buffered(connection);
   if (state == State::kRefused) return refuse(connection, connection.receiver.refusal());
   if (state == State::kComplete) return dispatch(connection);
-  if (buffered_bytes_ > limits_.buffered_bytes) {
-    return refuse(connection, {503, "busy", "Too much is being received; try again."});
-  }
+  if (buffered_bytes_ > limits_.buffered_bytes && !make_room(connection)) return;
   if (state == State::kBody) return wait_for_body(connection);
   if (connection.receiver.has_begun() && connection.state == Connection::State::kIdle) {
     connection.state = Connection::State::kReceiving;
@@ -239,10 +238,38 @@ void ConnectionLoop::take(Connection& connection, std::string_view bytes) {
   wait_for(connection, EPOLLIN, connection.deadline);
 }
 
+/// Bodies that arrive most slowly give way, so that a few slow clients cannot take the room of all.
+/// Returns whether `newest` stays.
+bool ConnectionLoop::make_room(Connection& newest) {
+  while (buffered_bytes_ > limits_.buffered_bytes) {
+    Connection& slowest = slowest_sender(newest);
+    const bool is_newest = &slowest == &newest;
+    refuse(slowest,
+           {503, "busy", "Too much is being received; try again."});  // It may be gone now.
+    if (is_newest) return false;
+  }
+  return true;
+}
+
+Connection& ConnectionLoop::slowest_sender(Connection& newest) {
+  constexpr double kShortest = 0.05;  // A body that has just begun is not judged yet [s].
+  const auto now = Clock::now();
+  const auto rate = [&](const Connection& one) {
+    const std::chrono::duration<double> age = one.is_body_awaited ? now - one.pace.begin() : 0s;
+    return static_cast<double>(one.buffered) / std::max(kShortest, age.count());
+  };
+  Connection* slowest = &newest;
+  for (const auto& [socket, one] : connections_) {
+    const bool is_body = one->state == Connection::State::kReceiving && one->is_body_awaited;
+    if (is_body && rate(*one) < rate(*slowest)) slowest = one.get();
+  }
+  return *slowest;
+}
+
 void ConnectionLoop::wait_for_body(Connection& connection) {
   const RequestHead& head = connection.receiver.head();
   const bool is_large =
-      head.framing.length > kMaxBufferedBody || connection.receiver.size() > kMaxBufferedBody;
+      head.framing.length > limits_.held_body || connection.receiver.size() > limits_.held_body;
   if (is_large) return dispatch(connection);
   if (!std::exchange(connection.is_body_awaited, true)) {
     connection.state = Connection::State::kReceiving;
@@ -294,7 +321,10 @@ void ConnectionLoop::take_finished() {
 // Answers leave.
 
 void ConnectionLoop::refuse(Connection& connection, const Refusal& refusal) {
-  send(connection, refuse_(refusal), /*is_kept=*/false);
+  std::string answer = refuse_(refusal);
+  connection.receiver = RequestReceiver();
+  release(connection.input);
+  send(connection, std::move(answer), /*is_kept=*/false);
 }
 
 void ConnectionLoop::send(Connection& connection, std::string text, bool is_kept) {

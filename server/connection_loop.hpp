@@ -26,6 +26,7 @@ namespace cornerfix::server {
 struct ConnectionLimits {
   std::size_t connections = 16'000;
   std::size_t connections_per_address = 12'000;
+  std::size_t held_body = kMaxBufferedBody;              ///< A larger one is read by a worker.
   std::size_t streamed_requests = 16;                    ///< Bodies that workers read themselves.
   std::size_t buffered_bytes = std::size_t{256} << 20U;  ///< Of all requests and answers.
   std::chrono::milliseconds idle_timeout{60'000};        ///< Until the next request begins.
@@ -85,6 +86,8 @@ class ConnectionLoop {
   void receive(Connection& connection);
   void take(Connection& connection, std::string_view bytes);
   void wait_for_body(Connection& connection);
+  [[nodiscard]] bool make_room(Connection& newest);
+  [[nodiscard]] Connection& slowest_sender(Connection& newest);
   void dispatch(Connection& connection);
   void refuse(Connection& connection, const Refusal& refusal);
   void send(Connection& connection, std::string text, bool is_kept);

@@ -88,9 +88,7 @@ Response problem_response(const api::Problem& problem) {
   Response response{.status = problem.status,
                     .content_type = "application/problem+json",
                     .body = api::render(problem)};
-  if (problem.status == 503 || problem.status == 429) {
-    response.headers.emplace_back("Retry-After", "1");
-  }
+  if (problem.status == 503) response.headers.emplace_back("Retry-After", "1");
   return response;
 }
 
@@ -101,6 +99,12 @@ Response problem_response(int status, std::string_view code, std::string detail)
                                        .detail = std::move(detail),
                                        .errors = {},
                                        .extra_json = {}});
+}
+
+Response too_many_response(std::string_view code, std::string detail, std::chrono::seconds wait) {
+  Response response = problem_response(429, code, std::move(detail));
+  response.headers.emplace_back("Retry-After", std::to_string(wait.count()));
+  return response;
 }
 
 }  // namespace cornerfix::server

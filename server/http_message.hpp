@@ -1,6 +1,7 @@
 /// \file  A request and its response as routes see them: no HTTP library in sight.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <memory>
@@ -63,5 +64,8 @@ using Handler = std::function<Response(const Request&)>;
 [[nodiscard]] Response problem_response(const api::Problem& problem);
 /// A problem without wrong fields.
 [[nodiscard]] Response problem_response(int status, std::string_view code, std::string detail);
+/// A 429; the client may try again after `wait`.
+[[nodiscard]] Response too_many_response(std::string_view code, std::string detail,
+                                         std::chrono::seconds wait);
 
 }  // namespace cornerfix::server

@@ -6,12 +6,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <ctime>
 #include <exception>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <string>
@@ -19,12 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "api/json_codec.hpp"
-#include "server/access.hpp"
+#include "server/access_gate.hpp"
 #include "server/connection_loop.hpp"
-#include "server/event_hub.hpp"
 #include "server/event_log.hpp"
-#include "server/host_check.hpp"
+#include "server/exchange_log.hpp"
 #include "server/http_message.hpp"
 #include "server/listen_socket.hpp"
 #include "server/media_types.hpp"
@@ -34,6 +29,7 @@
 #include "server/responses.hpp"
 #include "server/router.hpp"
 #include "server/routes.hpp"
+#include "server/service_setup.hpp"
 #include "server/shared_files.hpp"
 #include "server/static_files.hpp"
 #include "server/worker_pool.hpp"
@@ -48,7 +44,8 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::size_t kKeepAliveRequests = 1'000'000;
 constexpr std::chrono::seconds kHeartbeat{5};
-constexpr std::size_t kStreamedRequests = 16;
+constexpr std::size_t kMaxHeldBody = std::size_t{64} << 20U;
+constexpr std::size_t kStreamedRequests = 16;      // Archives, and bodies that are too large.
 constexpr std::size_t kReservedDescriptors = 128;  // For the database and files.
 constexpr std::size_t kMaxTargetLength = 2048;     // The library matches paths by recursion.
 
@@ -68,21 +65,6 @@ class LibraryServer final : public httplib::Server {
   }
 };
 
-std::string time_text(std::chrono::system_clock::time_point time) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::string text(sizeof "2000-01-01T00:00:00Z" - 1, '\0');
-  std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
-std::string now_text() { return time_text(std::chrono::system_clock::now()); }
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(SteadyClock::now().time_since_epoch()).count();
-}
-
 std::string random_prefix() {
   std::random_device random;
   return fmt::format("{:08x}", random());
@@ -92,17 +74,15 @@ bool may_have_body(std::string_view method) {
   return method == "POST" || method == "PUT" || method == "PATCH" || method == "DELETE";
 }
 
-/// A table that is not empty and lets nobody in.
-std::shared_ptr<const TokenTable> nobodys_token() {
-  const std::vector<storage::TokenRecord> expired = {
-      {.name = "nobody", .role = "viewer", .expires = "1970-01-01T00:00:00Z"}};
-  return std::make_shared<const TokenTable>(std::vector<Token>{}, expired);
-}
-
-/// Whether a browser sends this on behalf of another site's page.
-bool is_cross_site(const httplib::Request& raw) {
-  const std::string site = raw.get_header_value("Sec-Fetch-Site");
-  return site == "cross-site" || site == "same-site";
+Caller caller_of(const httplib::Request& raw) {
+  const auto [first, last] = raw.headers.equal_range("Origin");
+  Caller caller{.address = raw.remote_addr,
+                .is_reading = raw.method == "GET" || raw.method == "HEAD",
+                .authorization = raw.get_header_value("Authorization"),
+                .host = raw.get_header_value("Host"),
+                .fetch_site = raw.get_header_value("Sec-Fetch-Site")};
+  std::for_each(first, last, [&](const auto& header) { caller.origins.push_back(header.second); });
+  return caller;
 }
 
 Response uri_too_long() {
@@ -120,15 +100,11 @@ std::size_t possible_connections(std::size_t wanted) {
 }  // namespace
 
 struct HttpServer::Impl {
-  explicit Impl(ServerConfig the_config)
-      : config(std::move(the_config)), hosts(config.listen, config.allowed_hosts) {}
+  explicit Impl(ServerConfig the_config) : config(std::move(the_config)) {}
 
   ServerConfig config;
-  std::mutex tokens_mutex;
-  std::shared_ptr<const TokenTable> tokens;  ///< Of configuration and database.
-  std::uint64_t tokens_epoch = 0;            ///< Of the store when they were read.
-  HostCheck hosts;                           ///< Used where there are no tokens.
   Services services;
+  std::optional<AccessGate> gate;
   Router router;
   StaticFiles files;
   std::string id_prefix = random_prefix();
@@ -139,7 +115,6 @@ struct HttpServer::Impl {
   std::optional<ConnectionLoop> connections;
   std::optional<WorkerPool> workers;  ///< Ends first: its jobs use all of the above.
 
-  std::shared_ptr<const TokenTable> current_tokens();
   Result<void> open_services();
   void open_connections(ListenSocket listener);
   void set_up_http();
@@ -151,84 +126,18 @@ struct HttpServer::Impl {
   void refuse_unread(const httplib::Request& raw, httplib::Response& out);
   std::string refuse_head(const Refusal& refusal);
   ServerLoad load();
-  void log_batch(const BatchOrigin& origin, const BatchEvents& batch) const;
-  void log_request(const Exchange& exchange, int status, double ms) const;
   std::string next_request_id() { return id_prefix + "-" + std::to_string(next_id++); }
   Response answer(Exchange& exchange);
   Response answer_by_route(Exchange& exchange);
   Response answer_by_file(Exchange& exchange, const PathSegments& path);
-  std::optional<Response> refuse(Exchange& exchange, Access access);
-  std::optional<Response> refuse_foreign_page(const httplib::Request& raw) const;
   void write(Exchange& exchange, Response response, httplib::Response& out);
 };
 
-/// Those of the database are read anew when another process has changed it. When that fails, the
-/// old ones stay. A server with tokens does not become open when the last one is revoked.
-std::shared_ptr<const TokenTable> HttpServer::Impl::current_tokens() {
-  const auto epoch = services.stores->epoch();
-  const std::lock_guard lock(tokens_mutex);
-  if (tokens && (!epoch || *epoch == tokens_epoch)) return tokens;
-  const auto stored = services.stores->tokens();
-  if (!stored) return tokens;
-  auto table = std::make_shared<const TokenTable>(config.tokens, *stored);
-  const bool was_closed = tokens && !tokens->is_empty();
-  if (was_closed && table->is_empty()) table = nobodys_token();
-  tokens = std::move(table);
-  tokens_epoch = epoch ? *epoch : 0;
-  return tokens;
-}
-
 Result<void> HttpServer::Impl::open_services() {
-  auto stores = StoreAccess::open(config.database);
-  if (!stores) return stores.error();
-  services.stores = *stores;
-  services.limits = config.request_limits;
-  services.min_free_bytes = config.min_free_bytes;
-  services.draining = std::make_shared<std::atomic<bool>>(false);
-  services.events = std::make_shared<EventHub>(config.max_event_clients);
-  services.metrics = std::make_shared<Metrics>();
-  services.maps = std::make_shared<MapLibrary>(
-      *stores,
-      MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
-      now_text);
-  services.reports = std::make_shared<ReportService>(services.maps);
-  services.load = [this] { return load(); };
-  const auto events = services.events;
-  const auto metrics = services.metrics;
-  services.localization = std::make_shared<LocalizationService>(
-      *stores, services.maps,
-      LocalizationServiceSettings{
-          .render =
-              [](const AnswerToRender& answer) {
-                return api::encode(api::render_answer(answer.answer, {.session = answer.session,
-                                                                      .sequence = answer.sequence,
-                                                                      .stamp = answer.stamp}),
-                                   api::BodyFormat::kJson);
-              },
-          .now = now_text,
-          .clock_ms = now_ms,
-          .on_batch =
-              [this, events, metrics](const BatchOrigin& origin, const BatchEvents& batch,
-                                      const std::function<SessionView()>& view) {
-                metrics->count_batch(batch);
-                log_batch(origin, batch);
-                if (!events->is_watched(origin.session)) return;
-                if (const auto event = last_answer_event(view()))
-                  events->publish(origin.session, *event);
-              },
-          .idle_time = std::chrono::minutes(config.session_idle_minutes),
-          .max_session_bytes = config.max_session_bytes,
-          .max_sessions_per_robot = config.max_sessions_per_robot,
-          .max_searched_map_bytes = config.max_searched_map_bytes,
-          .recorded_answers = config.recorded_answers,
-          .expired_before =
-              [days = std::chrono::days(config.session_expiry_days)] {
-                return time_text(std::chrono::system_clock::now() - days);
-              },
-          .stale_before =
-              [silence = std::chrono::seconds(config.session_stale_s)] {
-                return time_text(std::chrono::system_clock::now() - silence);
-              }});
+  auto opened = server::open_services(config, [this] { return load(); });
+  if (!opened) return opened.error();
+  services = std::move(*opened);
+  gate.emplace(config, services.stores, services.metrics, now_text);
   router = make_router(services);
   files.mount("", config.web_root.empty() ? find_web_root() : config.web_root);
   files.mount("vendor/leaflet", config.leaflet_root);
@@ -276,6 +185,7 @@ void HttpServer::Impl::open_connections(ListenSocket listener) {
       std::move(listener),
       ConnectionLimits{.connections = possible_connections(config.max_connections),
                        .connections_per_address = config.max_connections_per_address,
+                       .held_body = std::min(config.max_body_bytes, kMaxHeldBody),
                        .streamed_requests = kStreamedRequests,
                        .idle_timeout = std::chrono::seconds(config.keep_alive_timeout_s),
                        .drain_timeout = std::chrono::seconds(config.drain_timeout_s)},
@@ -314,45 +224,12 @@ ServerLoad HttpServer::Impl::load() {
           .event_clients = services.events->count()};
 }
 
-/// What an operator wants to find again: when a robot was localized, lost, or its pose withdrawn.
-void HttpServer::Impl::log_batch(const BatchOrigin& origin, const BatchEvents& batch) const {
-  for (const double seconds : batch.times_to_localization_s) {
-    log_event("localized",
-              {{"session", origin.session}, {"robot", origin.robot}, {"after_s", seconds}});
-  }
-  for (const auto& [cause, count] : batch.withdrawals) {
-    log_event("withdrawn",
-              {{"session", origin.session}, {"robot", origin.robot}, {"cause", to_string(cause)}});
-  }
-  if (batch.lost > 0) {
-    log_event("lost", {{"session", origin.session},
-                       {"robot", origin.robot},
-                       {"reason", to_string(batch.reason)}});
-  }
-}
-
-void HttpServer::Impl::log_request(const Exchange& exchange, int status, double ms) const {
-  const Request& request = exchange.request;
-  const bool is_of_session = exchange.route.starts_with("/v1/sessions/{id}");
-  const std::string_view session = is_of_session ? request.captures.front() : std::string_view{};
-  const bool is_robot = request.principal.role == Role::kRobot;
-  log_event("request", {{"request_id", request.id},
-                        {"trace_id", trace_id_of(request.traceparent)},
-                        {"client", exchange.raw.remote_addr},
-                        {"method", exchange.raw.method},
-                        {"path", exchange.raw.target.substr(0, exchange.raw.target.find('?'))},
-                        {"status", std::int64_t{status}},
-                        {"ms", ms},
-                        {"session", session},
-                        {"robot", is_robot ? request.principal.name : ""}});
-}
-
 void HttpServer::Impl::refuse_unread(const httplib::Request& raw, httplib::Response& out) {
   Exchange exchange{.raw = const_cast<httplib::Request&>(raw), .reader = nullptr};
   exchange.close = true;
   exchange.request.id = next_request_id();
   Response response = problem_response(out.status, "malformed", "The request cannot be read.");
-  log_request(exchange, response.status, 0.0);
+  log_exchange(exchange, response.status, 0.0);
   write(exchange, std::move(response), out);
 }
 
@@ -393,7 +270,7 @@ void HttpServer::Impl::serve(const httplib::Request& raw, httplib::Response& out
 
   const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - begin).count();
   services.metrics->count_request(raw.method, exchange.route, response.status, ms / 1e3);
-  log_request(exchange, response.status, ms);
+  log_exchange(exchange, response.status, ms);
   write(exchange, std::move(response), out);
 }
 
@@ -425,9 +302,15 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   }
   auto& [route, captures] = std::get<RouteMatch>(match);
   exchange.route = route->pattern;
-  if (auto refusal = refuse(exchange, route->access)) return *refusal;
+  auto admitted = gate->admit(caller_of(raw), route->access);
+  if (auto* refusal = std::get_if<Response>(&admitted)) return std::move(*refusal);
+  request.principal = std::move(std::get<Principal>(admitted));
   request.captures = std::move(captures);
   request.query = {raw.params.begin(), raw.params.end()};
+  // Health checks of others may carry a query.
+  if (route->access != Access::kPublic) {
+    if (const auto problem = check_query(*route, request.query)) return problem_response(*problem);
+  }
   const AnswerFormat answer = best_format(raw.get_header_value("Accept"));
   request.answer_format = answer.body;
   request.answer_profile = answer.profile;
@@ -451,46 +334,6 @@ Response HttpServer::Impl::answer_by_file(Exchange& exchange, const PathSegments
   }
   auto response = files.get(file, raw.get_header_value("If-None-Match"));
   return response ? *response : problem_response(404, "not_found", "There is no such path.");
-}
-
-std::optional<Response> HttpServer::Impl::refuse_foreign_page(const httplib::Request& raw) const {
-  const std::string host = raw.get_header_value("Host");
-  if (!host.empty() && !hosts.allows_host(host)) {
-    return problem_response(421, "misdirected_request",
-                            "Host " + host +
-                                " is not known as a name of this server: configure tokens, or add "
-                                "it to allowed_hosts.");
-  }
-  const auto [first, last] = raw.headers.equal_range("Origin");
-  const bool is_foreign = std::any_of(
-      first, last, [&](const auto& header) { return !hosts.allows_origin(header.second, host); });
-  if (raw.method != "GET" && raw.method != "HEAD" && is_foreign) {
-    return problem_response(403, "forbidden", "Another site's page may not change anything here.");
-  }
-  return std::nullopt;
-}
-
-std::optional<Response> HttpServer::Impl::refuse(Exchange& exchange, Access access) {
-  const httplib::Request& raw = exchange.raw;
-  if (raw.method != "GET" && raw.method != "HEAD" && is_cross_site(raw)) {
-    return problem_response(403, "forbidden", "Another site's page may not change anything here.");
-  }
-  if (access == Access::kPublic) return std::nullopt;
-  const auto known_tokens = current_tokens();
-  if (known_tokens->is_empty()) {
-    if (auto refusal = refuse_foreign_page(raw)) return refusal;
-  }
-  const auto principal = known_tokens->identify(raw.get_header_value("Authorization"), now_text());
-  if (!principal) {
-    Response response = problem_response(401, "unauthorized", "Send Authorization: Bearer TOKEN.");
-    response.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"cornerfix\"");
-    return response;
-  }
-  if (!may(principal->role, access)) {
-    return problem_response(403, "forbidden", "The token's role does not allow this.");
-  }
-  exchange.request.principal = *principal;
-  return std::nullopt;
 }
 
 void HttpServer::Impl::write(Exchange& exchange, Response response, httplib::Response& out) {
@@ -525,7 +368,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(const ServerConfig& config
   if (!listener) return listener.error();
   impl->port = listener->port();
   if (auto opened = impl->open_services(); !opened) return opened.error();
-  const auto tokens = impl->current_tokens();
+  const auto tokens = impl->gate->tokens();
   if (!tokens) return Error{ErrorCode::kUnavailable, "the tokens cannot be read", ""};
   if (auto error = check_listen(config, tokens->is_empty())) return *error;
   impl->set_up_http();
@@ -545,12 +388,7 @@ bool HttpServer::run() {
 }
 
 void HttpServer::set_tokens(std::vector<Token> tokens) {
-  {
-    const std::lock_guard lock(impl_->tokens_mutex);
-    impl_->config.tokens = std::move(tokens);
-    impl_->tokens_epoch = 0;  // Epochs of the store begin at 1.
-  }
-  (void)impl_->current_tokens();
+  impl_->gate->set_tokens(std::move(tokens));
 }
 
 void HttpServer::drain() {

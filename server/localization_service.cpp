@@ -3,9 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <atomic>
 #include <iterator>
-#include <map>
 #include <random>
 #include <utility>
 
@@ -18,18 +16,11 @@ using storage::MapInfo;
 using storage::MapStore;
 using storage::SessionRecord;
 using storage::SessionStore;
-using SteadyClock = std::chrono::steady_clock;
 
 namespace {
 
 constexpr std::size_t kMapsAPage = 1000;
 constexpr int kMaxAttempts = 3;
-constexpr std::chrono::seconds kSweepInterval{30};
-/// Of a session with its localizer, as measured: its submap, and while it searches, what it has
-/// looked at (docs/reliability.md, section 5).
-constexpr std::size_t kTrackingBytes = 1'500'000;
-constexpr std::size_t kSearchingBytes = 3'000'000;
-
 /// 128 random bits: nobody guesses another robot's session.
 std::string make_session_id() {
   std::random_device random;
@@ -40,80 +31,6 @@ std::string make_session_id() {
     for (int digit = 0; digit < 8; ++digit, bits >>= 4U) id += kDigits[bits & 15U];
   }
   return id;
-}
-
-/// Stamps within a batch increase already; a batch must also begin after the one before it.
-/// Scans of two lidars may have the same stamp.
-std::optional<Error> check_stamp(const RobotScan& first, std::optional<double> last_stamp,
-                                 const api::Lidars& lidars) {
-  if (!last_stamp || first.scan.stamp > *last_stamp) return std::nullopt;
-  if (lidars.by_name.size() > 1 && first.scan.stamp == *last_stamp) return std::nullopt;
-  return Error{
-      ErrorCode::kInvalidArgument,
-      fmt::format("stamp {} is not after {}, the session's last", first.scan.stamp, *last_stamp),
-      "/scans/0/stamp"};
-}
-
-void add(StepTimes& sum, const StepTimes& times) {
-  sum.odometry_ms += times.odometry_ms;
-  sum.extract_ms += times.extract_ms;
-  sum.match_ms += times.match_ms;
-  sum.verify_ms += times.verify_ms;
-  sum.track_ms += times.track_ms;
-  sum.total_ms += times.total_ms;
-}
-
-struct ProcessedBatch {
-  Answer answer;  ///< To the last scan, with the times of all.
-  BatchEvents events;
-};
-
-/// Called before each scan but the first, with the answer to the one before it.
-using BetweenScans = std::function<Result<void>(const Answer&)>;
-
-Result<ProcessedBatch> process(Localizer& localizer, Status status,
-                               std::span<const RobotScan> scans,
-                               std::optional<double>& search_begin,
-                               const BetweenScans& between_scans = {}) {
-  ProcessedBatch batch;
-  StepTimes times;
-  for (const RobotScan& scan : scans) {
-    if (status != Status::kLocalized && !search_begin) search_begin = scan.scan.stamp;
-    if (between_scans && batch.events.scans > 0) {
-      if (auto ready = between_scans(batch.answer); !ready) return ready.error();
-    }
-    batch.answer = localizer.process(scan);
-    add(times, batch.answer.times);
-    ++batch.events.scans;
-    if (batch.answer.withdrawal != Withdrawal::kNone)
-      ++batch.events.withdrawals[batch.answer.withdrawal];
-    batch.events.odometry_ignored += batch.answer.odometry == OdometryUse::kIgnored ? 1U : 0U;
-    if (batch.answer.status != status) {
-      batch.events.fixes += batch.answer.status == Status::kLocalized ? 1U : 0U;
-      batch.events.lost += batch.answer.status == Status::kLost ? 1U : 0U;
-    }
-    status = batch.answer.status;
-    if (status == Status::kLocalized && search_begin) {
-      batch.events.times_to_localization_s.push_back(scan.scan.stamp - *search_begin);
-      search_begin.reset();
-    }
-  }
-  batch.answer.times = times;
-  batch.events.status = status;
-  batch.events.reason = batch.answer.reason;
-  batch.events.times = times;
-  return batch;
-}
-
-/// The newest scan of the local map, as it lies from the last pose: what can be shown of a session
-/// that was read from the store.
-std::optional<RobotScan> newest_scan(const LocalizerState& state) {
-  if (state.submap.empty()) return std::nullopt;
-  const SubmapScan& newest = state.submap.back();
-  const Pose2 T_base_link_then = inverse(state.T_submap_base_link) * newest.T_submap_base_link;
-  return RobotScan{.scan = newest.scan,
-                   .T_base_link_laser = T_base_link_then * newest.T_base_link_laser,
-                   .T_odom_base_link = std::nullopt};
 }
 
 /// Id of the newest session of a robot, if that is another one than `id`; else empty.
@@ -130,134 +47,16 @@ Error no_such_session(const std::string& id) {
 
 }  // namespace
 
-/// A session in memory. A localizer knows its tracked map by its place in a list; `map_ids` is that
-/// list. In the store and in `stored_state` it is the map's id itself, because by the time it is
-/// read the list may be another.
-struct LocalizationService::Session {
-  explicit Session(std::atomic<std::size_t>& live_bytes) : live_bytes_(live_bytes) {}
-  ~Session() { drop_localizer(); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
-  std::mutex mutex;
-  SessionRecord record;  ///< Without the state.
-  api::Lidars lidars;
-  LocalizerParams params;
-  std::atomic<Status> status = Status::kCollecting;  ///< Counted without the mutex.
-  std::atomic<std::size_t> bytes = 0;                ///< Of the localizer; read without the mutex.
-  LocalizerState stored_state;                       ///< What the next localizer goes on from;
-                                                     ///< empty while there is one.
-  std::optional<Localizer> localizer;  ///< Made when the first batch comes; ahead of the above.
-  std::vector<std::int64_t> map_ids;   ///< In the localizer's order.
-  bool holds_all_maps = false;         ///< False: stand-ins for all but the tracked one.
-  double free_area_m2 = 0.0;           ///< Of all maps, as far as it is known.
-  std::int64_t confirmed_map = 0;      ///< In which a confirmed pose is tracked, or 0.
-  std::optional<double> search_begin;  ///< Stamp of the first scan of a search, while it lasts.
-  bool is_answered = false;            ///< Since it was made or reset.
-  std::optional<RobotScan> last_scan;
-  std::vector<Point2> feature_points;
-  api::AnswerHistory history;
-  std::map<std::string, std::int64_t> ids_by_name;  ///< Of the maps asked for, once seen.
-  bool is_current = false;            ///< False: to be read from the store before use.
-  std::uint64_t epoch = 0;            ///< Of the store when it was last known to be current.
-  std::uint64_t maps_epoch = 0;       ///< Of the store when the localizer's maps were.
-  SteadyClock::time_point last_used;  ///< Guarded by the table's mutex.
-
-  [[nodiscard]] SessionView view() const {
-    return {.id = record.id,
-            .robot = record.robot,
-            .created = record.created,
-            .last_seen = record.last_used,
-            .maps = record.maps,
-            .lidar_json = record.lidar_json,
-            .options_json = record.options_json,
-            .region = localizer ? localizer->region() : stored_state.region,
-            .expected_sequence = record.expected_sequence,
-            .status = status,
-            .last_answer = is_answered ? record.last_answer : std::string(),
-            .last_scan = last_scan,
-            .feature_points = feature_points};
-  }
-
-  [[nodiscard]] std::optional<double> last_stamp() const {
-    return localizer ? localizer->last_stamp() : stored_state.last_stamp;
-  }
-
-  [[nodiscard]] LocalizerState state() const {
-    if (!localizer) return stored_state;
-    LocalizerState state = localizer->state();
-    if (state.tracked_map >= 0) {
-      state.tracked_map = static_cast<int>(map_ids[static_cast<std::size_t>(state.tracked_map)]);
-    }
-    return state;
-  }
-
-  /// What the next scan needs: a confirmed pose is not compared with other maps again.
-  void note_confirmed(const Answer& answer) {
-    confirmed_map = 0;
-    if (!answer.pose || !answer.pose->confirmed) return;
-    const auto found = std::ranges::find(localizer->maps(), answer.pose->map);
-    confirmed_map = map_ids[static_cast<std::size_t>(found - localizer->maps().begin())];
-  }
-
-  void note_confirmed(const LocalizerState& state) {
-    const bool is_confirmed = state.status == Status::kLocalized && state.confirmed;
-    confirmed_map = is_confirmed && state.tracked_map > 0 ? state.tracked_map : 0;
-  }
-
-  /// Goes on in these maps. When the tracked one is not among them, the robot is lost.
-  void use_maps(SessionMaps loaded, const Localizer::Clock& clock) {
-    std::vector<LocalizationMapPtr> maps = std::move(loaded.maps);
-    std::vector<std::int64_t> ids = std::move(loaded.ids);
-    holds_all_maps = loaded.holds_all;
-    free_area_m2 = loaded.free_area_m2;
-    if (localizer && ids == map_ids) {
-      if (maps != localizer->maps()) localizer->replace_maps(std::move(maps));
-      return;
-    }
-    LocalizerState state = localizer ? this->state() : std::exchange(stored_state, {});
-    if (state.tracked_map >= 0) {
-      const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
-      const bool is_there = found != ids.end();
-      state.tracked_map = is_there ? static_cast<int>(found - ids.begin()) : -1;
-      if (!is_there) state.region.reset();
-      if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
-    }
-    status = state.status;
-    localizer.emplace(std::move(maps), params, clock);
-    localizer->restore(std::move(state));
-    map_ids = std::move(ids);
-    count_bytes();
-  }
-
-  void drop_localizer() {
-    localizer.reset();
-    map_ids.clear();
-    count_bytes();
-  }
-
-  /// To be called when `localizer` or `status` changed.
-  void count_bytes() {
-    const std::size_t live = status == Status::kLocalized ? kTrackingBytes : kSearchingBytes;
-    const std::size_t now = localizer ? live : 0;
-    live_bytes_ += now - bytes;  // Wraps around where it shrinks.
-    bytes = now;
-  }
-
- private:
-  std::atomic<std::size_t>& live_bytes_;  ///< Of all sessions.
-};
-
 /// A session held for this thread alone.
 class LocalizationService::LockedSession {
  public:
-  explicit LockedSession(std::shared_ptr<Session> session)
+  explicit LockedSession(std::shared_ptr<LiveSession> session)
       : session_(std::move(session)), lock_(session_->mutex) {}
-  Session& operator*() const { return *session_; }
-  Session* operator->() const { return session_.get(); }
+  LiveSession& operator*() const { return *session_; }
+  LiveSession* operator->() const { return session_.get(); }
 
  private:
-  std::shared_ptr<Session> session_;
+  std::shared_ptr<LiveSession> session_;
   std::unique_lock<std::mutex> lock_;
 };
 
@@ -295,7 +94,9 @@ Result<std::optional<SessionView>> LocalizationService::create(
   const auto inserted = stores_->with_sessions([&](SessionStore& sessions) -> Result<void> {
     const auto count = sessions.count(request.robot);
     if (!count) return count.error();
-    has_room = *count < settings_.max_sessions_per_robot;
+    const auto all = sessions.count_all();
+    if (!all) return all.error();
+    has_room = *count < settings_.max_sessions_per_robot && *all < settings_.max_sessions;
     if (!has_room) return {};
     return sessions.insert(record);
   });
@@ -312,7 +113,7 @@ Result<SessionView> LocalizationService::find(const std::string& id) {
   return view_of(**session);
 }
 
-Result<SessionView> LocalizationService::view_of(const Session& session) {
+Result<SessionView> LocalizationService::view_of(const LiveSession& session) {
   SessionView view = session.view();
   view.is_stale = is_stale(view.last_seen);
   auto newer = stores_->with_sessions(
@@ -332,15 +133,6 @@ Result<void> LocalizationService::visit(const std::string& id,
   if (!session) return session.error();
   look((*session)->view());
   return {};
-}
-
-SessionCounts LocalizationService::count_by_status() {
-  SessionCounts counts{};
-  const std::lock_guard lock(table_mutex_);
-  for (const auto& [id, session] : table_) {
-    ++counts[static_cast<std::size_t>(session->status.load())];
-  }
-  return counts;
 }
 
 Result<SessionList> LocalizationService::list(const SessionListRequest& request) {
@@ -378,13 +170,14 @@ Result<SessionList> LocalizationService::list(const SessionListRequest& request)
                              .region = std::move(record.state.region),
                              .expected_sequence = record.expected_sequence,
                              .status = record.state.status,
-                             .last_answer = is_answered ? std::move(record.last_answer) : ""});
+                             .last_answer = is_answered ? std::move(record.last_answer) : "",
+                             .is_damaged = record.is_damaged});
   }
   return list;
 }
 
 Result<void> LocalizationService::remove(const std::string& id) {
-  forget(id);
+  table_.forget(id);
   return stores_->with_sessions([&](SessionStore& sessions) { return sessions.remove(id); });
 }
 
@@ -404,7 +197,7 @@ Result<SessionView> LocalizationService::reset(const std::string& id,
   for (int attempt = 1;; ++attempt) {
     const auto locked = lock(id);
     if (!locked) return locked.error();
-    Session& session = **locked;
+    LiveSession& session = **locked;
     if (auto good = check_region(region, session.record.maps); !good) return good.error();
     session.is_current = false;  // Until the store has it too.
     LocalizerState forgotten;
@@ -420,24 +213,25 @@ Result<SessionView> LocalizationService::reset(const std::string& id,
         stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
     if (!saved) return saved.error();
-    if (session.localizer) session.localizer->reset(region);
-    session.stored_state = std::move(forgotten);
-    session.confirmed_map = 0;
-    session.search_begin.reset();
-    session.status = Status::kCollecting;
-    session.is_answered = false;
-    session.last_scan.reset();
-    session.feature_points.clear();
-    session.record.last_used = now;
-    session.is_current = true;
+    session.reset(std::move(forgotten), now);
     return view_of(session);
   }
 }
 
+/// What is asked for never changes, so that a session in memory need not be compared with the
+/// store.
 Result<SessionHead> LocalizationService::head(const std::string& id) {
+  if (auto known = table_.find(id)) {
+    const LockedSession session(std::move(known));
+    if (session->is_current) return SessionHead{session->record.robot, session->lidars};
+  }
   const auto session = lock(id);
   if (!session) return session.error();
   return SessionHead{(*session)->record.robot, (*session)->lidars};
+}
+
+Result<std::string> LocalizationService::robot_of(const std::string& id) {
+  return stores_->with_sessions([&](SessionStore& sessions) { return sessions.robot_of(id); });
 }
 
 Result<std::deque<api::PastAnswer>> LocalizationService::history(const std::string& id) {
@@ -451,7 +245,7 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
   for (int attempt = 1;; ++attempt) {
     const auto locked = lock(id);
     if (!locked) return locked.error();
-    Session& session = **locked;
+    LiveSession& session = **locked;
     const std::uint64_t expected = session.record.expected_sequence;
     if (request.sequence == expected) {
       auto outcome = take_batch(session, request);
@@ -473,7 +267,7 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
   }
 }
 
-Result<BatchOutcome> LocalizationService::take_batch(Session& session,
+Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
                                                      const api::SessionScansRequest& request) {
   if (auto ready = use_current_maps(session); !ready) return ready.error();
   const auto last_stamp = session.localizer->last_stamp();
@@ -487,7 +281,7 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
     return is_ready ? Result<void>() : use_current_maps(session);
   };
   const auto processed =
-      process(*session.localizer, session.status, request.scans, search_begin, prepare);
+      process_batch(*session.localizer, session.status, request.scans, search_begin, prepare);
   if (!processed) return processed.error();
   const ProcessedBatch& batch = *processed;
   session.note_confirmed(batch.answer);
@@ -514,7 +308,8 @@ Result<BatchOutcome> LocalizationService::take_batch(Session& session,
   return BatchOutcome{.answer = answer};
 }
 
-Result<void> LocalizationService::save(Session& session, const api::SessionScansRequest& request,
+Result<void> LocalizationService::save(LiveSession& session,
+                                       const api::SessionScansRequest& request,
                                        const std::string& answer) {
   const LocalizerState state = session.state();
   const std::string now = settings_.now();
@@ -543,7 +338,7 @@ Result<std::string> LocalizationService::localize(const std::string& map,
   Localizer localizer(std::move(maps), request.params, settings_.clock_ms);
   std::optional<double> search_begin;
   const ProcessedBatch batch =
-      process(localizer, Status::kCollecting, request.scans, search_begin).value();
+      process_batch(localizer, Status::kCollecting, request.scans, search_begin).value();
   return settings_.render({.session = {},
                            .sequence = std::nullopt,
                            .stamp = request.scans.back().scan.stamp,
@@ -551,24 +346,16 @@ Result<std::string> LocalizationService::localize(const std::string& map,
 }
 
 Result<LocalizationService::LockedSession> LocalizationService::lock(const std::string& id) {
-  const auto now = SteadyClock::now();
-  forget_idle(now);
+  const auto now = SessionTable::Clock::now();
+  if (table_.forget_idle(now, settings_.idle_time)) remove_expired();
   const auto epoch = stores_->epoch(id);
   if (!epoch) return epoch.error();
-  std::shared_ptr<Session> session;
-  {
-    const std::lock_guard lock(table_mutex_);
-    std::shared_ptr<Session>& entry = table_[id];
-    if (!entry) entry = std::make_shared<Session>(live_bytes_);
-    entry->last_used = now;
-    session = entry;
-  }
-  LockedSession locked(std::move(session));
+  LockedSession locked(table_.take(id, now));
   locked->record.id = id;
   if (!locked->is_current || locked->epoch != *epoch) {
     if (auto loaded = refresh(*locked); !loaded) {
       locked->is_current = false;
-      if (loaded.error().code == ErrorCode::kNotFound) forget(id);
+      if (loaded.error().code == ErrorCode::kNotFound) table_.forget(id);
       return loaded.error();
     }
     locked->epoch = *epoch;
@@ -576,39 +363,21 @@ Result<LocalizationService::LockedSession> LocalizationService::lock(const std::
   return locked;
 }
 
-Result<void> LocalizationService::refresh(Session& session) {
+Result<void> LocalizationService::refresh(LiveSession& session) {
   const std::string id = session.record.id;
   auto found = stores_->with_sessions([&](SessionStore& sessions) { return sessions.find(id); });
   if (!found) return found.error();
   if (!found->has_value()) return no_such_session(id);
   SessionRecord& record = **found;
-  // Every batch raises the one number and a reset zeroes the other: both the same, nobody was here.
-  const bool is_unchanged = session.is_current && session.localizer &&
-                            record.expected_sequence == session.record.expected_sequence &&
-                            record.state.scans == session.localizer->state().scans &&
-                            record.state.region == session.localizer->region();
-  if (is_unchanged) return {};
+  if (session.is_same_as(record)) return {};
   auto lidars = api::lidars_from_json(record.lidar_json);
-  if (!lidars) return Error{ErrorCode::kCorruptData, "session " + id + " has a wrong lidar", ""};
-  session.lidars = std::move(*lidars);
-  session.params = api::params_from_json(record.options_json);
-  session.stored_state = std::exchange(record.state, {});
-  session.record = std::move(record);
-  for (std::size_t i = 0; i < session.record.maps.size(); ++i) {
-    const std::int64_t map_id = session.record.map_ids[i];
-    if (map_id > 0) session.ids_by_name.try_emplace(session.record.maps[i], map_id);
-  }
-  session.status = session.stored_state.status;
-  session.note_confirmed(session.stored_state);
-  session.drop_localizer();
-  session.is_answered = session.stored_state.scans > 0;
-  session.last_scan = newest_scan(session.stored_state);
-  session.feature_points.clear();
-  session.is_current = true;
+  if (!lidars)
+    return Error{ErrorCode::kCorruptData, "session " + id + " has a wrong lidar", "session"};
+  session.load(std::move(record), std::move(*lidars));
   return {};
 }
 
-Result<void> LocalizationService::use_current_maps(Session& session) {
+Result<void> LocalizationService::use_current_maps(LiveSession& session) {
   const bool is_current = session.localizer && session.maps_epoch == session.epoch &&
                           session.holds_all_maps == (session.confirmed_map == 0);
   if (is_current) return {};
@@ -624,11 +393,11 @@ Result<void> LocalizationService::use_current_maps(Session& session) {
   if (!maps) return maps.error();
   session.use_maps(std::move(*maps), settings_.clock_ms);
   session.maps_epoch = session.epoch;
-  park_least_used();
+  table_.forget_least_used(settings_.max_session_bytes);
   return {};
 }
 
-Result<std::vector<MapInfo>> LocalizationService::maps_of(Session& session) {
+Result<std::vector<MapInfo>> LocalizationService::maps_of(LiveSession& session) {
   if (session.record.maps.empty()) return every_map();
   std::vector<MapInfo> infos;
   for (const std::string& name : session.record.maps) {
@@ -656,25 +425,6 @@ Result<std::vector<MapInfo>> LocalizationService::every_map() {
   return infos;
 }
 
-void LocalizationService::forget(const std::string& id) {
-  const std::lock_guard lock(table_mutex_);
-  table_.erase(id);
-}
-
-void LocalizationService::forget_idle(SteadyClock::time_point now) {
-  {
-    const std::lock_guard lock(table_mutex_);
-    if (now < next_sweep_) return;
-    next_sweep_ = now + kSweepInterval;
-    // One in use is held by its user too.
-    std::erase_if(table_, [&](const auto& entry) {
-      const auto& session = entry.second;
-      return session.use_count() == 1 && now - session->last_used > settings_.idle_time;
-    });
-  }
-  remove_expired();
-}
-
 void LocalizationService::remove_expired() {
   if (!settings_.expired_before) return;
   const std::string time = settings_.expired_before();
@@ -682,24 +432,6 @@ void LocalizationService::remove_expired() {
       [&](SessionStore& sessions) { return sessions.remove_unused_since(time); });
   if (!removed) spdlog::warn("expired sessions could not be removed: {}", removed.error().message);
   if (removed && *removed > 0) spdlog::info("removed {} expired sessions", *removed);
-}
-
-/// Leaves a tenth of the room free, so that not every batch has to look.
-void LocalizationService::park_least_used() {
-  if (live_bytes_ <= settings_.max_session_bytes) return;
-  const std::lock_guard lock(table_mutex_);
-  std::vector<std::pair<SteadyClock::time_point, std::string>> parkable;
-  for (const auto& [id, session] : table_) {
-    // One in use is held by its user too.
-    if (session->bytes > 0 && session.use_count() == 1)
-      parkable.emplace_back(session->last_used, id);
-  }
-  std::ranges::sort(parkable);
-  const std::size_t wanted = settings_.max_session_bytes - settings_.max_session_bytes / 10;
-  for (const auto& [last_used, id] : parkable) {
-    if (live_bytes_ <= wanted) return;
-    table_.erase(id);
-  }
 }
 
 }  // namespace cornerfix::server

@@ -1,20 +1,14 @@
 /// \file  The use cases on robots: sessions that take batch after batch, and single questions.
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include <cornerfix/localizer.hpp>
@@ -22,31 +16,13 @@
 
 #include "api/answer_history.hpp"
 #include "api/requests.hpp"
+#include "server/batch_processing.hpp"
+#include "server/live_session.hpp"
 #include "server/map_library.hpp"
+#include "server/session_table.hpp"
 #include "server/store_access.hpp"
 
 namespace cornerfix::server {
-
-/// A session as others see it.
-struct SessionView {
-  std::string id;
-  std::string robot;
-  std::string created;    ///< RFC 3339, UTC.
-  std::string last_seen;  ///< When it took its last batch, was reset or created.
-  bool is_stale = false;  ///< Not seen for long: what it answered last is old.
-  /// Id of the newest session of the robot, if that is another one.
-  std::string superseded_by{};
-  std::vector<std::string> maps;  ///< As asked for; empty: every map.
-  std::string lidar_json, options_json;
-  std::optional<StartRegion> region{};  ///< While it restricts the search.
-  std::uint64_t expected_sequence = 0;
-  Status status = Status::kCollecting;
-  std::string last_answer;  ///< Rendered; empty before the first, also after a reset.
-  /// Of the last batch; after a restart the newest scan of the local map, as seen from the last
-  /// pose.
-  std::optional<RobotScan> last_scan{};
-  std::vector<Point2> feature_points{};  ///< The submap's features, in base_link at the last scan.
-};
 
 /// An answer before it is rendered.
 struct AnswerToRender {
@@ -57,22 +33,6 @@ struct AnswerToRender {
 };
 using AnswerRenderer = std::function<std::string(const AnswerToRender&)>;
 
-/// Sessions by status, in the order of `Status`.
-using SessionCounts = std::array<std::size_t, 4>;
-
-/// What a batch changed, for counting.
-struct BatchEvents {
-  std::size_t scans = 0;
-  std::size_t fixes = 0;                            ///< Times that it became localized.
-  std::size_t lost = 0;                             ///< Times that it became lost.
-  std::map<Withdrawal, std::size_t> withdrawals{};  ///< Poses withdrawn, by cause.
-  std::size_t odometry_ignored = 0;                 ///< Scans whose odometry was ignored.
-  Status status = Status::kCollecting;              ///< Of the answer.
-  Reason reason = Reason::kNone;                    ///< Of the answer.
-  StepTimes times{};                                ///< Of all scans.
-  /// From the first scan of a search to the scan that localized, by their stamps.
-  std::vector<double> times_to_localization_s{};
-};
 /// Which robot posted a batch, in which session.
 struct BatchOrigin {
   const std::string& session;
@@ -106,6 +66,7 @@ struct LocalizationServiceSettings {
   std::chrono::minutes idle_time{30};  ///< Then a session is kept in the store only.
   /// Of sessions in memory. Above it those not used for longest are kept in the store only.
   std::size_t max_session_bytes = std::size_t{2} << 30U;
+  std::size_t max_sessions = 100'000;
   std::size_t max_sessions_per_robot = 100;
   /// Of the maps that one session searches together.
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
@@ -136,7 +97,8 @@ class LocalizationService {
                       LocalizationServiceSettings settings);
   ~LocalizationService();
 
-  /// kNotFound when a map is unknown. Nothing when the robot has as many sessions as it may have.
+  /// kNotFound when a map is unknown. Nothing when there are as many sessions, or the robot has as
+  /// many, as there may be.
   [[nodiscard]] Result<std::optional<SessionView>> create(const api::CreateSessionRequest& request);
   [[nodiscard]] Result<SessionView> find(const std::string& id);
   /// The same while the session is held: no batch is answered until `look` returns.
@@ -144,7 +106,7 @@ class LocalizationService {
                                    const std::function<void(const SessionView&)>& look);
   [[nodiscard]] Result<SessionList> list(const SessionListRequest& request);
   /// Those in memory only.
-  [[nodiscard]] SessionCounts count_by_status();
+  [[nodiscard]] SessionCounts count_by_status() { return table_.count_by_status(); }
   [[nodiscard]] Result<void> remove(const std::string& id);
   /// The robot was carried: forgets the pose, the submap and the stamps; the sequence goes on.
   /// The robot is in `region` now, if there is one.
@@ -152,6 +114,8 @@ class LocalizationService {
                                           const std::optional<StartRegion>& region = {});
 
   [[nodiscard]] Result<SessionHead> head(const std::string& id);
+  /// Its robot, also when what is stored of its state is damaged. kNotFound.
+  [[nodiscard]] Result<std::string> robot_of(const std::string& id);
 
   /// The last answers, oldest first, as far as this process gave them and holds the session.
   [[nodiscard]] Result<std::deque<api::PastAnswer>> history(const std::string& id);
@@ -165,36 +129,28 @@ class LocalizationService {
                                              const api::LocalizeRequest& request);
 
  private:
-  struct Session;
   class LockedSession;
 
   [[nodiscard]] bool is_stale(const std::string& last_seen) const;
-  [[nodiscard]] Result<SessionView> view_of(const Session& session);
+  [[nodiscard]] Result<SessionView> view_of(const LiveSession& session);
   [[nodiscard]] Result<LockedSession> lock(const std::string& id);
-  [[nodiscard]] Result<void> refresh(Session& session);
+  [[nodiscard]] Result<void> refresh(LiveSession& session);
   /// Whether a region's map is one that is searched.
   [[nodiscard]] Result<void> check_region(const std::optional<StartRegion>& region,
                                           const std::vector<std::string>& maps);
-  [[nodiscard]] Result<void> use_current_maps(Session& session);
-  [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(Session& session);
+  [[nodiscard]] Result<void> use_current_maps(LiveSession& session);
+  [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(LiveSession& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();
-  [[nodiscard]] Result<BatchOutcome> take_batch(Session& session,
+  [[nodiscard]] Result<BatchOutcome> take_batch(LiveSession& session,
                                                 const api::SessionScansRequest& request);
-  [[nodiscard]] Result<void> save(Session& session, const api::SessionScansRequest& request,
+  [[nodiscard]] Result<void> save(LiveSession& session, const api::SessionScansRequest& request,
                                   const std::string& answer);
-  void forget(const std::string& id);
-  void forget_idle(std::chrono::steady_clock::time_point now);
-  void park_least_used();
   void remove_expired();
 
   std::shared_ptr<StoreAccess> stores_;
   std::shared_ptr<MapLibrary> maps_;
   LocalizationServiceSettings settings_;
-
-  std::atomic<std::size_t> live_bytes_ = 0;  ///< Of sessions with a localizer, about.
-  std::mutex table_mutex_;
-  std::unordered_map<std::string, std::shared_ptr<Session>> table_;
-  std::chrono::steady_clock::time_point next_sweep_;
+  SessionTable table_;
 };
 
 }  // namespace cornerfix::server

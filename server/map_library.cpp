@@ -139,6 +139,10 @@ Result<MapInfo> MapLibrary::find(std::string_view name) {
   return stores_->with_map_entries([&](MapStore& maps) { return maps.find(name); });
 }
 
+Result<std::size_t> MapLibrary::count() {
+  return stores_->with_maps([](MapStore& maps) { return maps.count(); });
+}
+
 Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request) {
   return retrying([&] { return put_once(name, request); });
 }

@@ -60,6 +60,7 @@ class MapLibrary {
   [[nodiscard]] Result<std::vector<storage::MapInfo>> list(std::string_view after,
                                                            std::size_t limit);
   [[nodiscard]] Result<storage::MapInfo> find(std::string_view name);
+  [[nodiscard]] Result<std::size_t> count();
   /// True when the map was created. Parameters join those that the map has; kInvalidArgument when
   /// its grid would become too large with them.
   [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);

@@ -96,6 +96,7 @@ class MapRoutes {
     if (!api::is_valid_name(name)) return invalid_map_name();
     const auto parsed = api::parse_put_map(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
     const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed));
     if (!created) return error_response(request, created.error());
     const auto info = maps().find(name);
@@ -130,6 +131,7 @@ class MapRoutes {
                              api::lidar_from_json(info->lidar_json), services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::MapScansRequest>(parsed);
+    if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
     const auto report = batch.unposed_scans.empty() ? maps().grow(name, batch.scans)
                                                     : maps().grow(name, batch.unposed_scans);
     if (!report) return error_response(request, report.error());
@@ -159,6 +161,7 @@ class MapRoutes {
       if (!request.parts.contains(part)) missing.push_back({std::string("/") + part, "missing"});
     }
     if (!missing.empty()) return incomplete_form(std::move(missing));
+    if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
     const auto report = maps().put_floor_map(name, request.parts.at("yaml"),
                                              std::as_bytes(std::span(request.parts.at("image"))));
     if (!report) return error_response(request, report.error());
@@ -185,6 +188,7 @@ class MapRoutes {
   Response post_archive(const Request& request) {
     const std::string& name = request.captures[0];
     if (!api::is_valid_name(name)) return invalid_map_name();
+    if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
     const auto bytes = std::as_bytes(std::span(request.body));
     const auto info =
         maps().restore(name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
@@ -254,6 +258,19 @@ class MapRoutes {
   }
 
  private:
+  /// The answer to a call that would make a map where there is no room for one, or make one larger.
+  std::optional<Response> refuse_new_map(const Request& request) {
+    if (auto refusal = refuse_growth(services_, request)) return refusal;
+    const auto info = maps().find(request.captures[0]);
+    if (info) return std::nullopt;
+    if (info.error().code != ErrorCode::kNotFound) return error_response(request, info.error());
+    const auto count = maps().count();
+    if (!count) return error_response(request, count.error());
+    if (*count < services_.quotas.maps) return std::nullopt;
+    return over_quota(services_, "too_many_maps",
+                      "There are as many maps as there may be (max_maps): delete some.");
+  }
+
   static Response no_grid() {
     return problem_response(404, "not_found",
                             "The map has no grid yet: it has neither key frames nor a floor map.");
@@ -302,17 +319,18 @@ class MapRoutes {
 void add_map_routes(Router& router, const Services& services) {
   const auto routes = std::make_shared<MapRoutes>(services);
   const auto add = [&](const char* method, const char* pattern, Access access, BodyRule body,
-                       Response (MapRoutes::*handler)(const Request&)) {
+                       Response (MapRoutes::*handler)(const Request&),
+                       std::vector<std::string> parameters = {}) {
     router.add({.method = method,
                 .pattern = pattern,
                 .access = access,
                 .body = body,
-                .handler = [routes, handler](const Request& request) {
-                  return ((*routes).*handler)(request);
-                }});
+                .handler = [routes, handler](
+                               const Request& request) { return ((*routes).*handler)(request); },
+                .parameters = std::move(parameters)});
   };
   using enum BodyRule;
-  add("GET", "/v1/maps", Access::kRead, kIgnored, &MapRoutes::list);
+  add("GET", "/v1/maps", Access::kRead, kIgnored, &MapRoutes::list, {"limit", "page_token"});
   add("PUT", "/v1/maps/{map}", Access::kMap, kOptionalDocument, &MapRoutes::put);
   add("GET", "/v1/maps/{map}", Access::kRead, kIgnored, &MapRoutes::get);
   add("DELETE", "/v1/maps/{map}", Access::kMap, kIgnored, &MapRoutes::remove);
@@ -321,13 +339,14 @@ void add_map_routes(Router& router, const Services& services) {
   add("PUT", "/v1/maps/{map}/grid", Access::kMap, kForm, &MapRoutes::put_grid);
   add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive);
   add("POST", "/v1/maps/{map}/archive", Access::kMap, kArchive, &MapRoutes::post_archive);
-  add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features);
+  add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features, {"bbox"});
   add("GET", "/v1/maps/{map}/features/{id}/descriptor", Access::kRead, kIgnored,
       &MapRoutes::descriptor);
   add("GET", "/v1/maps/{map}/grid.png", Access::kRead, kIgnored, &MapRoutes::grid_png);
   add("GET", "/v1/maps/{map}/grid.yaml", Access::kRead, kIgnored, &MapRoutes::grid_yaml);
-  add("GET", "/v1/maps/{map}/report", Access::kRead, kIgnored, &MapRoutes::report);
-  add("GET", "/v1/maps/{map}/report.svg", Access::kRead, kIgnored, &MapRoutes::report_picture);
+  add("GET", "/v1/maps/{map}/report", Access::kRead, kIgnored, &MapRoutes::report, {"wait"});
+  add("GET", "/v1/maps/{map}/report.svg", Access::kRead, kIgnored, &MapRoutes::report_picture,
+      {"wait"});
 }
 
 }  // namespace cornerfix::server

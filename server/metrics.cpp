@@ -68,6 +68,11 @@ struct Metrics::Impl {
           .Name("cornerfix_stage_seconds_total")
           .Help("Time spent on scans by stage of localization.")
           .Register(registry);
+  prometheus::Counter& odometry = stages.Add({{"stage", "odometry"}});
+  prometheus::Counter& extract = stages.Add({{"stage", "extract"}});
+  prometheus::Counter& match = stages.Add({{"stage", "match"}});
+  prometheus::Counter& verify = stages.Add({{"stage", "verify"}});
+  prometheus::Counter& track = stages.Add({{"stage", "track"}});
   Histogram& localization_times =
       BuildHistogram()
           .Name("cornerfix_time_to_localization_seconds")
@@ -79,6 +84,12 @@ struct Metrics::Impl {
           .Name("cornerfix_requests_shed_total")
           .Help("Requests answered 503 unread, by reason.")
           .Register(registry);
+  prometheus::Family<prometheus::Counter>& limited = BuildCounter()
+                                                         .Name("cornerfix_requests_limited_total")
+                                                         .Help("Requests answered 429, by reason.")
+                                                         .Register(registry);
+  prometheus::Counter& lockouts =
+      counter("cornerfix_lockouts_total", "Addresses that were locked out after wrong tokens.");
   prometheus::Gauge& build = BuildGauge()
                                  .Name("cornerfix_build_info")
                                  .Help("1, with the version that is running.")
@@ -147,12 +158,11 @@ void Metrics::count_batch(const BatchEvents& events) {
       .Add({{"status", std::string(to_string(events.status))}, {"reason", text_of(events.reason)}})
       .Increment();
   const StepTimes& times = events.times;
-  const std::pair<const char*, double> stages[] = {{"odometry", times.odometry_ms},
-                                                   {"extract", times.extract_ms},
-                                                   {"match", times.match_ms},
-                                                   {"verify", times.verify_ms},
-                                                   {"track", times.track_ms}};
-  for (const auto& [stage, ms] : stages) impl_->stages.Add({{"stage", stage}}).Increment(ms / 1e3);
+  impl_->odometry.Increment(times.odometry_ms / 1e3);
+  impl_->extract.Increment(times.extract_ms / 1e3);
+  impl_->match.Increment(times.match_ms / 1e3);
+  impl_->verify.Increment(times.verify_ms / 1e3);
+  impl_->track.Increment(times.track_ms / 1e3);
   for (const double seconds : events.times_to_localization_s)
     impl_->localization_times.Observe(seconds);
 }
@@ -160,6 +170,12 @@ void Metrics::count_batch(const BatchEvents& events) {
 void Metrics::count_shed(std::string_view reason) {
   impl_->sheds.Add({{"reason", std::string(reason)}}).Increment();
 }
+
+void Metrics::count_limited(std::string_view reason) {
+  impl_->limited.Add({{"reason", std::string(reason)}}).Increment();
+}
+
+void Metrics::count_lockout() { impl_->lockouts.Increment(); }
 
 namespace {
 

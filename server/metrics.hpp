@@ -40,6 +40,10 @@ class Metrics {
   void count_batch(const BatchEvents& events);
   /// A request that was answered 503 unread: `reason` is the code of its problem.
   void count_shed(std::string_view reason);
+  /// A request that was answered 429: `reason` is the code of its problem.
+  void count_limited(std::string_view reason);
+  /// An address that was locked out after wrong tokens.
+  void count_lockout();
 
   /// Prometheus text format 0.0.4.
   [[nodiscard]] std::string render(const MetricsSnapshot& now);

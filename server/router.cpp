@@ -51,6 +51,12 @@ std::optional<std::vector<std::string>> captures_of(const PathSegments& pattern,
   return captures;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
 }  // namespace
 
 std::optional<PathSegments> split_path(std::string_view target) {
@@ -66,6 +72,22 @@ std::optional<PathSegments> split_path(std::string_view target) {
     path = slash == std::string_view::npos ? std::string_view{} : path.substr(slash);
   } while (!path.empty());
   return segments;
+}
+
+std::optional<api::Problem> check_query(const Route& route,
+                                        const std::multimap<std::string, std::string>& query) {
+  api::FieldErrors errors;
+  for (auto one = query.begin(); one != query.end(); one = query.upper_bound(one->first)) {
+    const std::string& name = one->first;
+    const bool is_known = std::ranges::find(route.parameters, name) != route.parameters.end();
+    if (!is_known) {
+      errors.add("/" + name, "unknown query parameter, expected " + listed(route.parameters));
+    } else if (query.count(name) > 1) {
+      errors.add("/" + name, "is there twice");
+    }
+  }
+  if (errors.empty()) return std::nullopt;
+  return std::move(errors).to_problem();
 }
 
 void Router::add(Route route) {

@@ -1,6 +1,8 @@
 /// \file  One small table of routes that knows 404 from 405.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -26,7 +28,13 @@ struct Route {
   Access access = Access::kRead;
   BodyRule body = BodyRule::kIgnored;
   Handler handler;
+  std::vector<std::string> parameters{};  ///< Of the query, that it takes.
 };
+
+/// What is wrong with a query: a parameter that the route does not take, or one that is there
+/// twice.
+[[nodiscard]] std::optional<api::Problem> check_query(
+    const Route& route, const std::multimap<std::string, std::string>& query);
 
 /// A path cut at its slashes, each segment percent-decoded once.
 using PathSegments = std::vector<std::string>;

@@ -17,6 +17,12 @@
 
 namespace cornerfix::server {
 
+/// What the database may hold.
+struct StoreQuotas {
+  std::size_t maps = 20'000;
+  std::uint64_t database_bytes = std::uint64_t{64} << 30U;
+};
+
 /// What routes call. Outlives every request.
 struct Services {
   std::shared_ptr<StoreAccess> stores;
@@ -27,9 +33,18 @@ struct Services {
   std::shared_ptr<Metrics> metrics;
   std::function<ServerLoad()> load;  ///< For the metrics.
   api::RequestLimits limits;
-  std::uint64_t min_free_bytes = 0;             ///< On the database's disk, to be ready.
+  std::uint64_t min_free_bytes = 0;  ///< On the database's disk, to be ready.
+  StoreQuotas quotas{};
   std::shared_ptr<std::atomic<bool>> draining;  ///< Set when the server is going down.
 };
+
+/// The answer to what needs more room in the database than there may be; nothing when there is
+/// some.
+[[nodiscard]] std::optional<Response> refuse_growth(const Services& services,
+                                                    const Request& request);
+/// A 429 of a quota, counted.
+[[nodiscard]] Response over_quota(const Services& services, std::string_view code,
+                                  std::string detail);
 
 void add_map_routes(Router& router, const Services& services);
 void add_session_routes(Router& router, const Services& services);

@@ -58,16 +58,25 @@ struct ServerConfig {
   int queue_timeout_ms = 10'000;       ///< A request waiting longer for a thread gets 503.
   int drain_timeout_s = 5;             ///< After SIGTERM; then connections are closed.
 
+  /// Of a token's holder, or of an address where there are no tokens; more are answered 429.
+  std::size_t max_requests_per_second = 2000;
+  std::size_t max_wrong_tokens = 20;  ///< Different ones of an address within a minute; then
+  int lockout_s = 60;                 ///< it is locked out for so long.
+
   std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
   /// Of the maps that one session searches together; with more, its batches are answered 409.
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
   std::size_t max_mappers = 4;    ///< Growing maps kept in memory.
+  std::size_t max_maps = 20'000;  ///< In the database; more are answered 429.
+  /// Of the database; above it no map grows and no session begins.
+  std::size_t max_database_bytes = std::size_t{64} << 30U;
   int session_idle_minutes = 30;  ///< Then a session is kept in the database only.
   std::size_t max_session_bytes = std::size_t{2} << 30U;  ///< Of sessions kept in memory.
-  std::size_t max_sessions_per_robot = 100;               ///< More are answered 429.
-  int session_expiry_days = 30;                           ///< Then an unused session is removed.
-  std::size_t recorded_answers = 0;  ///< Of a session, kept in memory with their scans.
-  int session_stale_s = 60;          ///< Without a batch for longer, a session is `stale`.
+  std::size_t max_sessions = 100'000;        ///< In the database; more are answered 429.
+  std::size_t max_sessions_per_robot = 100;  ///< More are answered 429.
+  int session_expiry_days = 30;              ///< Then an unused session is removed.
+  std::size_t recorded_answers = 0;          ///< Of a session, kept in memory with their scans.
+  int session_stale_s = 60;                  ///< Without a batch for longer, a session is `stale`.
 };
 
 /// A value that comes from outside the configuration file.

@@ -32,7 +32,8 @@ Json session_json(const SessionView& view) {
                                       .lidar_json = view.lidar_json,
                                       .options_json = view.options_json,
                                       .region = view.region,
-                                      .last_answer = answer.is_null() ? nullptr : &answer});
+                                      .last_answer = answer.is_null() ? nullptr : &answer,
+                                      .is_damaged = view.is_damaged});
   session["status"] = to_string(view.status);
   return session;
 }
@@ -73,11 +74,14 @@ std::variant<SessionListRequest, api::Problem> list_request(const Request& reque
   return page;
 }
 
-Response too_many_sessions(const std::string& robot) {
-  return problem_response(429, "too_many_sessions",
-                          "Robot " + robot +
-                              " has as many sessions as it may have: go on in one of them, or "
-                              "delete some.");
+/// The problem for an error of a session's call.
+Response session_error(const Request& request, const Error& error) {
+  Response response = error_response(request, error);
+  const bool is_damaged = error.code == ErrorCode::kCorruptData && error.field == "session";
+  if (!is_damaged) return response;
+  return problem_response(500, "corrupt_data",
+                          "What is stored of the session is damaged: delete the session and create "
+                          "another. The server's log has the details, by the request's id.");
 }
 
 Response forbidden_robot() {
@@ -101,6 +105,7 @@ class SessionRoutes {
     for (const std::string& map : session.maps) {
       if (!request.principal.may_use(map)) return forbidden_map(map);
     }
+    if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
     const auto created = service().create(session);
     if (!created) return error_response(request, created.error());
     if (!*created) return too_many_sessions(session.robot);
@@ -125,7 +130,7 @@ class SessionRoutes {
 
   Response get(const Request& request) {
     const auto view = service().find(request.captures[0]);
-    if (!view) return error_response(request, view.error());
+    if (!view) return session_error(request, view.error());
     if (!request.principal.may_see(view->robot)) return forbidden_robot();
     return profiled(request, document_response(request, 200,
                                                api::session_in_profile(session_json(*view),
@@ -146,21 +151,21 @@ class SessionRoutes {
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& reset = std::get<api::ResetRequest>(parsed);
     const auto view = service().reset(request.captures[0], reset.region);
-    if (!view) return error_response(request, view.error());
+    if (!view) return session_error(request, view.error());
     return document_response(request, 200, session_json(*view));
   }
 
   Response post_scans(const Request& request) {
     const std::string& id = request.captures[0];
     const auto head = service().head(id);
-    if (!head) return error_response(request, head.error());
+    if (!head) return session_error(request, head.error());
     if (!request.principal.may_see(head->robot)) return forbidden_robot();
     const auto parsed =
         api::parse_session_scans(request.body, request.body_format, head->lidars, services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::SessionScansRequest>(parsed);
     const auto outcome = service().post_scans(id, batch);
-    if (!outcome) return error_response(request, outcome.error());
+    if (!outcome) return session_error(request, outcome.error());
     if (outcome->expected_sequence) return sequence_conflict(batch.sequence, *outcome);
     return answer_response(request, outcome->answer);
   }
@@ -181,7 +186,7 @@ class SessionRoutes {
   Response history(const Request& request) {
     if (auto refusal = refuse_foreign(request)) return *refusal;
     const auto answers = service().history(request.captures[0]);
-    if (!answers) return error_response(request, answers.error());
+    if (!answers) return session_error(request, answers.error());
     return document_response(request, 200, api::render_history(request.captures[0], *answers));
   }
 
@@ -195,7 +200,7 @@ class SessionRoutes {
       if (!subscription) return;
       if (auto event = last_answer_event(view)) subscription->push(std::move(*event));
     });
-    if (!found) return error_response(request, found.error());
+    if (!found) return session_error(request, found.error());
     if (is_foreign) return forbidden_robot();
     if (!subscription) {
       return problem_response(503, "too_many_event_clients",
@@ -210,10 +215,17 @@ class SessionRoutes {
   LocalizationService& service() { return *services_.localization; }
 
   std::optional<Response> refuse_foreign(const Request& request) {
-    const auto head = service().head(request.captures[0]);
-    if (!head) return error_response(request, head.error());
-    if (!request.principal.may_see(head->robot)) return forbidden_robot();
+    const auto robot = service().robot_of(request.captures[0]);
+    if (!robot) return error_response(request, robot.error());
+    if (!request.principal.may_see(*robot)) return forbidden_robot();
     return std::nullopt;
+  }
+
+  Response too_many_sessions(const std::string& robot) {
+    return over_quota(services_, "too_many_sessions",
+                      "Robot " + robot +
+                          " has as many sessions as it may have (max_sessions_per_robot), or the "
+                          "server has (max_sessions): go on in one of them, or delete some.");
   }
 
   static Response sequence_conflict(std::uint64_t sequence, const BatchOutcome& outcome) {
@@ -251,18 +263,20 @@ std::optional<std::string> last_answer_event(const SessionView& view) {
 void add_session_routes(Router& router, const Services& services) {
   const auto routes = std::make_shared<SessionRoutes>(services);
   const auto add = [&](const char* method, const char* pattern, Access access, BodyRule body,
-                       Response (SessionRoutes::*handler)(const Request&)) {
+                       Response (SessionRoutes::*handler)(const Request&),
+                       std::vector<std::string> parameters = {}) {
     router.add({.method = method,
                 .pattern = pattern,
                 .access = access,
                 .body = body,
-                .handler = [routes, handler](const Request& request) {
-                  return ((*routes).*handler)(request);
-                }});
+                .handler = [routes, handler](
+                               const Request& request) { return ((*routes).*handler)(request); },
+                .parameters = std::move(parameters)});
   };
   using enum BodyRule;
   add("POST", "/v1/sessions", Access::kSession, kDocument, &SessionRoutes::create);
-  add("GET", "/v1/sessions", Access::kRead, kIgnored, &SessionRoutes::list);
+  add("GET", "/v1/sessions", Access::kRead, kIgnored, &SessionRoutes::list,
+      {"limit", "page_token"});
   add("GET", "/v1/sessions/{id}", Access::kRead, kIgnored, &SessionRoutes::get);
   add("DELETE", "/v1/sessions/{id}", Access::kSession, kIgnored, &SessionRoutes::remove);
   add("POST", "/v1/sessions/{id}/reset", Access::kSession, kOptionalDocument,

@@ -181,6 +181,12 @@ std::vector<Setting> request_settings() {
               "An idle connection is closed after this time"),
       integer("drain_timeout_s", &ServerConfig::drain_timeout_s, {0, 3600},
               "Time for open requests after SIGTERM"),
+      integer("max_requests_per_second", &ServerConfig::max_requests_per_second, {1, 1'000'000},
+              "Of a token's holder, or of an address without tokens; more are answered 429"),
+      integer("max_wrong_tokens", &ServerConfig::max_wrong_tokens, {1, 1'000'000},
+              "Different wrong tokens of an address within a minute; then it is locked out"),
+      integer("lockout_s", &ServerConfig::lockout_s, {1, 86'400},
+              "How long an address is locked out after wrong tokens: answered 429"),
   };
 }
 
@@ -194,6 +200,12 @@ std::vector<Setting> storage_settings() {
               "Of maps that one session searches; with more, its batches are answered 409"),
       integer("max_mappers", &ServerConfig::max_mappers, {1, 10'000},
               "Maps in memory to which scans are being added"),
+      integer("max_maps", &ServerConfig::max_maps, {1, 10'000'000},
+              "Maps in the database; more are answered 429"),
+      integer("max_database_bytes", &ServerConfig::max_database_bytes, kBytes,
+              "Of the database; above it growing maps and new sessions are answered 429"),
+      integer("max_sessions", &ServerConfig::max_sessions, {1, 100'000'000},
+              "Sessions in the database; more are answered 429"),
       integer("max_session_bytes", &ServerConfig::max_session_bytes, kBytes,
               "Of sessions in memory; the least used ones wait in the database"),
       integer("max_sessions_per_robot", &ServerConfig::max_sessions_per_robot, {1, 1'000'000},

@@ -38,6 +38,12 @@ Result<std::vector<storage::TokenRecord>> StoreAccess::tokens() {
   return tokens_.list();
 }
 
+Result<std::uint64_t> StoreAccess::used_bytes() {
+  const std::unique_lock lock(session_mutex_, patience_);
+  if (!lock) return busy();
+  return session_database_->used_bytes();
+}
+
 Result<std::uint64_t> StoreAccess::epoch() {
   const std::unique_lock lock(session_mutex_, patience_);
   if (!lock) return busy();

@@ -71,6 +71,9 @@ class StoreAccess {
 
   [[nodiscard]] Result<std::vector<storage::TokenRecord>> tokens();
 
+  /// Of what the database holds.
+  [[nodiscard]] Result<std::uint64_t> used_bytes();
+
   /// Grows whenever the file was changed by anything but the sessions of this process: by this
   /// process' maps or by another process. What was read before is then to be read again.
   [[nodiscard]] Result<std::uint64_t> epoch();

@@ -20,6 +20,7 @@ class TransferPace {
     return begin_ + kGrace + std::chrono::milliseconds(bytes_ / kMinBytesPerMillisecond);
   }
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] Clock::time_point begin() const { return begin_; }
 
  private:
   static constexpr std::chrono::seconds kGrace{5};

@@ -79,6 +79,8 @@ class Database {
 
   /// Where the database is, without a password.
   [[nodiscard]] virtual const std::string& location() const = 0;
+  /// Of what is stored, without the space that removed rows left.
+  [[nodiscard]] virtual Result<std::uint64_t> used_bytes() = 0;
 
   /// A number that differs from the last one on this connection when a map or a token was changed
   /// by another connection, of this or another process. SQLite counts sessions too;

@@ -143,6 +143,10 @@ MapStore::MapStore(std::shared_ptr<Database> database) : database_(std::move(dat
 MapStore::~MapStore() = default;
 MapStore::MapStore(MapStore&&) noexcept = default;
 
+Result<std::size_t> MapStore::count() {
+  return guarded([&]() -> Result<std::size_t> { return database_->maps().count(); });
+}
+
 Result<std::vector<MapInfo>> MapStore::list(std::string_view after, std::size_t limit) {
   return guarded([&]() -> Result<std::vector<MapInfo>> {
     const std::vector<MapRow> rows = database_->maps().list(after, limit);

@@ -85,6 +85,7 @@ class MapStore {
 
   /// Maps by ascending name, after `after` (exclusive; empty: from the start), at most `limit`.
   [[nodiscard]] Result<std::vector<MapInfo>> list(std::string_view after, std::size_t limit);
+  [[nodiscard]] Result<std::size_t> count();
   [[nodiscard]] Result<MapInfo> find(std::string_view name);  ///< kNotFound.
 
   /// Creates (true) or describes (false) a map. Parts that are nullopt stay as they are.

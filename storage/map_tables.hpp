@@ -37,6 +37,7 @@ class MapTables {
   MapTables(const MapTables&) = delete;
   MapTables& operator=(const MapTables&) = delete;
 
+  virtual std::size_t count() = 0;
   /// By ascending bytes of the name.
   virtual std::vector<MapRow> list(std::string_view after, std::size_t limit) = 0;
   /// In a transaction that writes, other writers of the map then wait for its end.

@@ -229,8 +229,8 @@ Result<std::vector<SessionRecord>> SessionStore::list(const SessionPage& page) {
     std::vector<SessionRecord> records;
     for (SessionRow& row : database_->sessions().list(page)) {
       Result<LocalizerStateOutline> outline = decode_localizer_state(row.state);
-      if (!outline) return in_session(row.record, outline.error());
-      row.record.state = std::move(outline->state);
+      row.record.is_damaged = !outline;
+      if (outline) row.record.state = std::move(outline->state);
       records.push_back(std::move(row.record));
     }
     return records;
@@ -239,6 +239,18 @@ Result<std::vector<SessionRecord>> SessionStore::list(const SessionPage& page) {
 
 Result<std::size_t> SessionStore::count(std::string_view robot) {
   return guarded([&]() -> Result<std::size_t> { return database_->sessions().count(robot); });
+}
+
+Result<std::size_t> SessionStore::count_all() {
+  return guarded([&]() -> Result<std::size_t> { return database_->sessions().count(); });
+}
+
+Result<std::string> SessionStore::robot_of(std::string_view id) {
+  return guarded([&]() -> Result<std::string> {
+    std::optional<std::string> robot = database_->sessions().robot_of(id);
+    if (!robot) return unknown_session(id);
+    return std::move(*robot);
+  });
 }
 
 Result<std::string> SessionStore::newest(std::string_view robot) {

@@ -38,6 +38,7 @@ struct SessionRecord {
   std::uint64_t last_batch = 0;  ///< Digest of the batch that `last_answer` answers; 0: not known.
   /// Given by insert() where it is 0; grows from session to session.
   std::int64_t number = 0;
+  bool is_damaged = false;       ///< Its stored state cannot be read; only list() gives such ones.
 };
 
 /// Which sessions to list.
@@ -73,6 +74,9 @@ class SessionStore {
   /// By creation. Their states have no submaps.
   [[nodiscard]] Result<std::vector<SessionRecord>> list(const SessionPage& page);
   [[nodiscard]] Result<std::size_t> count(std::string_view robot);
+  [[nodiscard]] Result<std::size_t> count_all();
+  /// The robot of a session, also when its state is damaged. kNotFound.
+  [[nodiscard]] Result<std::string> robot_of(std::string_view id);
   /// Id of the robot's session that was made last; empty when there is none.
   [[nodiscard]] Result<std::string> newest(std::string_view robot);
   /// Removes those last used before `time`; returns how many.

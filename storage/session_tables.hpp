@@ -58,7 +58,9 @@ class SessionTables {
   virtual void write_answer(std::int64_t session, const AnswerRow& row) = 0;
   virtual bool remove(std::string_view id) = 0;
   virtual std::size_t remove_unused_since(std::string_view time) = 0;
+  virtual std::size_t count() = 0;
   virtual std::size_t count(std::string_view robot) = 0;
+  virtual std::optional<std::string> robot_of(std::string_view id) = 0;
   virtual std::string newest(std::string_view robot) = 0;
 
   using ScanBlob = std::pair<std::uint64_t, Blob>;  ///< Its index, and the scan.

@@ -65,6 +65,12 @@ class PostgresqlDatabase : public Database {
     });
   }
 
+  Result<std::uint64_t> used_bytes() override {
+    return guarded([&]() -> Result<std::uint64_t> {
+      return connection_.execute("SELECT pg_database_size(current_database())").number(0, 0);
+    });
+  }
+
   Result<void> probe_write() override {
     return guarded([&]() -> Result<void> {
       const auto transaction = begin(Access::kWrite);

@@ -48,6 +48,10 @@ class PostgresqlMapTables : public MapTables {
  public:
   explicit PostgresqlMapTables(PostgresqlConnection& connection) : connection_(connection) {}
 
+  std::size_t count() override {
+    return static_cast<std::size_t>(connection_.execute("SELECT count(*) FROM maps").number(0, 0));
+  }
+
   std::vector<MapRow> list(std::string_view after, std::size_t limit) override {
     static const std::string sql = kSelectMaps + "WHERE name > $1 ORDER BY name LIMIT $2";
     constexpr std::size_t kMost = std::numeric_limits<std::int64_t>::max();

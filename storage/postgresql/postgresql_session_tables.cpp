@@ -98,6 +98,18 @@ class PostgresqlSessionTables : public SessionTables {
     return connection_.execute("DELETE FROM sessions WHERE last_used < $1", time).changed();
   }
 
+  std::size_t count() override {
+    return static_cast<std::size_t>(
+        connection_.execute("SELECT count(*) FROM sessions").number(0, 0));
+  }
+
+  std::optional<std::string> robot_of(std::string_view id) override {
+    const PostgresqlRows rows =
+        connection_.execute("SELECT robot FROM sessions WHERE id = $1", id);
+    if (rows.empty()) return std::nullopt;
+    return rows.text(0, 0);
+  }
+
   std::size_t count(std::string_view robot) override {
     const PostgresqlRows rows =
         connection_.execute("SELECT count(*) FROM sessions WHERE robot = $1", robot);

@@ -229,6 +229,16 @@ Result<void> SqliteDatabase::probe() {
   });
 }
 
+Result<std::uint64_t> SqliteDatabase::used_bytes() {
+  return guarded([&]() -> Result<std::uint64_t> {
+    const auto number = [&](const char* pragma) {
+      return connection_->execAndGet(std::string("PRAGMA ") + pragma).getInt64();
+    };
+    const std::int64_t pages = number("page_count") - number("freelist_count");
+    return static_cast<std::uint64_t>(pages * number("page_size"));
+  });
+}
+
 Result<void> SqliteDatabase::probe_write() {
   return guarded([&]() -> Result<void> {
     SQLite::Transaction transaction(*connection_, SQLite::TransactionBehavior::IMMEDIATE);

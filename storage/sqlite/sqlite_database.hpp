@@ -36,6 +36,7 @@ class SqliteDatabase : public Database {
   /// Own changes do not count. Takes microseconds.
   [[nodiscard]] Result<std::int64_t> data_version() override;
   [[nodiscard]] Result<void> probe() override;
+  [[nodiscard]] Result<std::uint64_t> used_bytes() override;
   [[nodiscard]] Result<void> probe_write() override;
   [[nodiscard]] Result<void> check_in_place() const override;
   [[nodiscard]] Result<void> check_room(std::uint64_t min_free_bytes) const override;

@@ -44,6 +44,12 @@ class SqliteMapTables : public MapTables {
  public:
   explicit SqliteMapTables(SqliteDatabase& database) : database_(database) {}
 
+  std::size_t count() override {
+    Statement row(database_, "SELECT count(*) FROM maps");
+    row.step();
+    return static_cast<std::size_t>(row.number(0));
+  }
+
   std::vector<MapRow> list(std::string_view after, std::size_t limit) override {
     static const std::string sql = kSelectMap + "WHERE name > ? ORDER BY name LIMIT ?";
     // SQLite reads a limit above its largest integer as none.

@@ -76,6 +76,18 @@ class SqliteSessionTables : public SessionTables {
     return static_cast<std::size_t>(statement.bind(time).run());
   }
 
+  std::size_t count() override {
+    Statement row(database_, "SELECT count(*) FROM sessions");
+    row.step();
+    return static_cast<std::size_t>(row.number(0));
+  }
+
+  std::optional<std::string> robot_of(std::string_view id) override {
+    Statement row(database_, "SELECT robot FROM sessions WHERE id = ?");
+    if (!row.bind(id).step()) return std::nullopt;
+    return row.text(0);
+  }
+
   std::size_t count(std::string_view robot) override {
     Statement row(database_, "SELECT count(*) FROM sessions WHERE robot = ?");
     row.bind(robot).step();

@@ -27,7 +27,7 @@ DistanceField empty_field(const SubmapParams& params, const Point2& center) {
 Submap::Submap(SubmapParams params)
     : params_(params),
       field_(empty_field(params, Point2::Zero())),
-      evidence_grid_(Point2::Zero(), params.evidence),
+      evidence_grid_(std::in_place, Point2::Zero(), params.evidence),
       features_(params.features) {}
 
 bool is_same_laser(const Pose2& T_base_link_laser, const Pose2& T_base_link_other) {
@@ -65,7 +65,7 @@ void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool rest
                  distance(kept_.back().scan.T_submap_base_link, kept.scan.T_submap_base_link);
   }
   stamp(kept.scan);
-  evidence_grid_.add(kept.scan.scan, T_submap_laser);
+  if (evidence_grid_) evidence_grid_->add(kept.scan.scan, T_submap_laser);
   features_.insert(kept.corners_submap);
   const double way = kept.way_m;
   const Point2 position = kept.scan.T_submap_base_link.translation();
@@ -74,7 +74,8 @@ void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool rest
   bool forgot = false;
   while (way - kept_.front().way_m > params_.window_m || kept_.size() > params_.max_scans) {
     const SubmapScan& old = kept_.front().scan;
-    evidence_grid_.remove(old.scan, old.T_submap_base_link * old.T_base_link_laser);
+    if (evidence_grid_)
+      evidence_grid_->remove(old.scan, old.T_submap_base_link * old.T_base_link_laser);
     kept_.pop_front();
     forgot = true;
   }
@@ -84,9 +85,31 @@ void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool rest
   }
   // The fields are squares; move them along before the robot's surroundings reach their border.
   // That also wipes forgotten walls from the field that scans are matched on.
-  if ((position - evidence_grid_.center()).cwiseAbs().maxCoeff() > 0.2 * params_.field_extent_m)
+  if ((position - center_).cwiseAbs().maxCoeff() > 0.2 * params_.field_extent_m)
     rebuild_about(position);
-  evidence_ = evidence_grid_.collect();
+  evidence_.reset();
+}
+
+const Evidence& Submap::evidence() const {
+  if (!evidence_)
+    evidence_ = evidence_grid_ ? evidence_grid_->collect() : evidence_of_kept().collect();
+  return *evidence_;
+}
+
+void Submap::stop_gathering_evidence() {
+  evidence_grid_.reset();
+  evidence_.reset();
+}
+
+void Submap::gather_evidence() {
+  if (!evidence_grid_) evidence_grid_ = evidence_of_kept();
+}
+
+EvidenceGrid Submap::evidence_of_kept() const {
+  EvidenceGrid grid(center_, params_.evidence);
+  for (const Kept& kept : kept_)
+    grid.add(kept.scan.scan, kept.scan.T_submap_base_link * kept.scan.T_base_link_laser);
+  return grid;
 }
 
 void Submap::stamp(const SubmapScan& scan) {
@@ -95,13 +118,13 @@ void Submap::stamp(const SubmapScan& scan) {
 }
 
 void Submap::rebuild_about(const Point2& center) {
+  center_ = center;
   field_ = empty_field(params_, center);
-  evidence_grid_ = EvidenceGrid(center, params_.evidence);
   const double way = kept_.back().way_m;
   for (const Kept& kept : kept_) {
     if (way - kept.way_m <= params_.match_window_m) stamp(kept.scan);
-    evidence_grid_.add(kept.scan.scan, kept.scan.T_submap_base_link * kept.scan.T_base_link_laser);
   }
+  if (evidence_grid_) evidence_grid_ = evidence_of_kept();
 }
 
 RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior,
@@ -167,6 +190,13 @@ std::vector<SubmapScan> Submap::scans() const {
   scans.reserve(kept_.size());
   for (const Kept& kept : kept_) scans.push_back(kept.scan);
   return scans;
+}
+
+std::vector<Pose2> Submap::poses() const {
+  std::vector<Pose2> poses;
+  poses.reserve(kept_.size());
+  for (const Kept& kept : kept_) poses.push_back(kept.scan.T_submap_base_link);
+  return poses;
 }
 
 }  // namespace cornerfix

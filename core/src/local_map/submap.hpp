@@ -86,11 +86,19 @@ class Submap {
   [[nodiscard]] bool empty() const { return kept_.empty(); }
   [[nodiscard]] std::size_t size() const { return kept_.size(); }
   [[nodiscard]] std::vector<SubmapScan> scans() const;
+  /// Of base_link at the kept scans.
+  [[nodiscard]] std::vector<Pose2> poses() const;
   [[nodiscard]] std::uint64_t next_index() const { return next_index_; }
   void set_next_index(std::uint64_t next) { next_index_ = next; }
   /// In `submap`.
   [[nodiscard]] const std::vector<Feature>& features() const { return features_.features(); }
-  [[nodiscard]] const Evidence& evidence() const { return evidence_; }
+  /// Of the kept scans. O(cells touched) after a change, else O(1).
+  [[nodiscard]] const Evidence& evidence() const;
+  /// From now on evidence() costs O(kept scans * beams), but nothing is held for it and keep()
+  /// costs less.
+  void stop_gathering_evidence();
+  /// As at first.
+  void gather_evidence();
 
  private:
   struct Kept {
@@ -102,14 +110,16 @@ class Submap {
   [[nodiscard]] const SubmapScan* last_scan_of(const Pose2& T_base_link_laser) const;
   void stamp(const SubmapScan& scan);
   void rebuild_about(const Point2& center);
+  [[nodiscard]] EvidenceGrid evidence_of_kept() const;
 
   SubmapParams params_;
   std::deque<Kept> kept_;
   std::uint64_t next_index_ = 0;
+  Point2 center_ = Point2::Zero();  ///< Of the fields.
   DistanceField field_;
-  EvidenceGrid evidence_grid_;
+  std::optional<EvidenceGrid> evidence_grid_;  ///< While evidence is gathered.
   FeatureMap features_;
-  Evidence evidence_;
+  mutable std::optional<Evidence> evidence_;
 };
 
 }  // namespace cornerfix

@@ -23,8 +23,8 @@ View view_from(const Submap& submap, const Pose2& T_submap_base_link) {
              seen.free_blocks, seen.blocks, seen.independent_hits},
             {},
             {}};
-  for (const SubmapScan& scan : submap.scans())
-    view.way.push_back((T_base_link_submap * scan.T_submap_base_link).translation());
+  for (const Pose2& T_submap_then : submap.poses())
+    view.way.push_back((T_base_link_submap * T_submap_then).translation());
   for (const Feature& corner : submap.features())
     view.corners.push_back(transformed(T_base_link_submap, corner));
   return view;

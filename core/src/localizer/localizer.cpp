@@ -39,7 +39,9 @@ constexpr double kTurnJump = 0.8;           // [rad]
 constexpr double kTurnAcceleration = 20.0;  // [rad/s^2]
 
 // Reviews of an accepted pose.
-constexpr double kReviewDistance = 1.5;   // [m] between searches of the whole map
+constexpr double kReviewDistance = 1.5;  // [m] between searches of the whole map
+// Between reviews of a confirmed pose [m]: the local map then holds other scans (window_m).
+constexpr double kConfirmedReviewDistance = 20.0;
 constexpr double kConfirmDistance = 3.0;  // [m] after the acceptance
 
 constexpr std::size_t kMaxLasers = 16;  // whose last scans are remembered
@@ -311,6 +313,7 @@ struct Localizer::Impl {
   /// The pose is no longer an answer; the submap and the search go on.
   void withdraw(Withdrawal cause) {
     fix.reset();
+    submap.gather_evidence();
     search.lift_restriction();
     region.reset();
     withdrawal = cause;
@@ -434,41 +437,57 @@ struct Localizer::Impl {
       is_doubted = verdict == TrackingVerdict::kMisfits && stray_scans > 0;
       miss(verdict == TrackingVerdict::kNoReturns ? Reason::kNoReturns : Reason::kContradicted);
     }
-    if ((news || search.is_suspended()) && fix) review();
+    if (!fix || !(news || search.is_suspended())) return;
+    const double reviewed_m = distance_since_acceptance_m - searched_at_m;
+    if (!confirmed) {
+      review_acceptance(reviewed_m >= kReviewDistance);
+    } else if (reviewed_m >= kConfirmedReviewDistance) {
+      search.clear_candidates();
+      review_again(/*is_search_due=*/false);
+    }
+    if (fix && confirmed) submap.stop_gathering_evidence();
   }
 
-  /// Repeats the decision with what was seen since the acceptance.
-  void review() {
+  /// Judges new ground, then repeats the decision with what was seen since the acceptance.
+  void review_acceptance(bool is_search_due) {
     const LocalizationMap& map = *maps[fix->map];
     const NewGround::Verdict verdict =
         new_ground.judge(map.index().classes, submap.evidence(), T_map_submap);
     // Either the pose was wrong or the robot was carried, which the local map does not survive.
     // After the confirmation the tracker judges scan by scan, since the local map bends with its
     // drift.
-    if (!confirmed && verdict == NewGround::Verdict::kContradicts)
+    if (verdict == NewGround::Verdict::kContradicts)
       return restart_submap(Withdrawal::kContradicted);
-    const bool is_search_due =
-        !confirmed && distance_since_acceptance_m - searched_at_m >= kReviewDistance;
-    if (is_search_due) searched_at_m = distance_since_acceptance_m;
-    const View view = view_from(submap, T_submap_base_link);
-    searched = search.review(maps, view, *fix, is_search_due);
-    if (search.is_suspended()) return;
-    const Candidates& candidates = search.candidates();
-    const Candidate& best = candidates.best();
-    if (best.map != fix->map || !is_same_place(best.T_map_base_link, fix->T_map_base_link)) {
-      if (search.acceptable()) return withdraw(Withdrawal::kRival);
-      terms = {};
-      confidence = 0.0;
-      return;
-    }
-    fix->score = best.score;
-    terms = search.terms();
-    confidence = terms.probability_correct;
+    if (!review_again(is_search_due)) return;
     if (searched && distance_since_acceptance_m >= kConfirmDistance &&
         verdict == NewGround::Verdict::kAgrees && search.acceptable()) {
       confirmed = true;
       search.clear_candidates();
+      new_ground = {};
     }
+  }
+
+  /// Repeats the decision. Returns whether the pose is still the best one.
+  bool review_again(bool is_search_due) {
+    if (is_search_due || confirmed) searched_at_m = distance_since_acceptance_m;
+    const View view = view_from(submap, T_submap_base_link);
+    searched = search.review(maps, view, *fix, is_search_due);
+    if (search.is_suspended()) return false;
+    const Candidates& candidates = search.candidates();
+    const Candidate& best = candidates.best();
+    if (best.map != fix->map || !is_same_place(best.T_map_base_link, fix->T_map_base_link)) {
+      if (search.acceptable()) {
+        withdraw(Withdrawal::kRival);
+        return false;
+      }
+      terms = {};
+      confidence = 0.0;
+      return false;
+    }
+    fix->score = best.score;
+    terms = search.terms();
+    confidence = terms.probability_correct;
+    return true;
   }
 
   /// A scan that does not confirm the pose; too many in a row take it back.
@@ -617,6 +636,7 @@ void Localizer::restore(LocalizerState state) {
     fix.score = score_evidence(impl_->maps[fix.map]->index().classes, impl_->submap.evidence(),
                                state.T_map_submap);
     impl_->begin_tracking(fix);
+    if (state.confirmed) impl_->submap.stop_gathering_evidence();
     impl_->T_map_submap = state.T_map_submap;
     const Eigen::Map<const Eigen::Matrix3d> covariance(state.tracking_covariance.data());
     if (covariance.trace() > 0.0) {

@@ -102,6 +102,16 @@ std::vector<Point2> ends_on_known_ground(const ClassField& classes, std::span<co
   return known;
 }
 
+/// Of evenly thinned points, each standing for its neighbours.
+Eigen::Matrix3d information_of(const DistanceField& field, std::span<const Point2> points,
+                               const Pose2& T_map_base_link, const ScanRefinerParams& params) {
+  constexpr std::size_t kPoints = 90;
+  const std::vector<Point2> some = thinned(points, kPoints);
+  const double weight = static_cast<double>(points.size()) /
+                        static_cast<double>(std::max<std::size_t>(1, some.size()));
+  return weight * observed_information(field, some, T_map_base_link, params);
+}
+
 }  // namespace
 
 PoseTracker::PoseTracker(const Pose2& T_map_base_link)
@@ -154,7 +164,7 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
     T_map_base_link_ = refined.T_frame_base_link;
     if (distance_m_ >= kLeastDistance) {
       covariance_ = (prior.information +
-                     observed_information(map.index().field, known, T_map_base_link_, correction))
+                     information_of(map.index().field, known, T_map_base_link_, correction))
                         .inverse();
       distance_m_ = 0.0;
     }

@@ -191,6 +191,34 @@ TEST(ConnectionLoop, LimitsWhatItKeepsOfRequests) {
   EXPECT_THAT(connection.read_to_end(), StartsWith("HTTP/1.1 503"));
 }
 
+TEST(ConnectionLoop, HoldsLargeBodiesWithoutAWorker) {
+  LoopUnderTest loop({.held_body = 4 * kMaxBufferedBody, .streamed_requests = 0});
+  std::deque<RawConnection> slow;
+  for (int i = 0; i < 20; ++i) slow.emplace_back(loop.port()).send(post(2 * kMaxBufferedBody));
+  RawConnection quick(loop.port());
+  const std::string body(2 * kMaxBufferedBody, 'x');
+  quick.send(post(body.size()) + body);
+  EXPECT_EQ(loop.answer("taken"), post(body.size()) + body);
+  EXPECT_EQ(quick.read_until("taken"), "taken");
+  EXPECT_EQ((*loop).count(), 21U);
+}
+
+TEST(ConnectionLoop, LetsTheSlowestBodiesGiveWay) {
+  LoopUnderTest loop({.buffered_bytes = 100'000});
+  std::deque<RawConnection> slow;
+  for (int i = 0; i < 40; ++i)
+    slow.emplace_back(loop.port()).send(post(50'000) + std::string(2'000, 'x'));
+  RawConnection witness(loop.port());
+  witness.send(kGet);
+  loop.answer("seen");  // The loop has the slow ones' begin by now.
+  EXPECT_EQ(witness.read_until("seen"), "seen");
+  RawConnection quick(loop.port());
+  const std::string body(60'000, 'x');
+  quick.send(post(body.size()) + body);
+  EXPECT_EQ(loop.answer("taken"), post(body.size()) + body);
+  EXPECT_EQ(quick.read_until("taken"), "taken");
+}
+
 TEST(ConnectionLoop, ServesBesideConnectionsThatNeverSendARequest) {
   LoopUnderTest loop;
   std::deque<RawConnection> hostile;

@@ -67,5 +67,29 @@ TEST(Router, KnowsNoOtherPath) {
   }
 }
 
+TEST(CheckQuery, NamesAnUnknownParameterAndThoseThatAreTaken) {
+  const Route route{
+      .method = "GET", .pattern = "/v1/maps", .handler = {}, .parameters = {"limit", "page_token"}};
+  EXPECT_FALSE(check_query(route, {}));
+  EXPECT_FALSE(check_query(route, {{"limit", "3"}, {"page_token", ""}}));
+  const auto problem = check_query(route, {{"limit", "3"}, {"lmit", "4"}});
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->status, 422);
+  ASSERT_EQ(problem->errors.size(), 1U);
+  EXPECT_EQ(problem->errors[0].pointer, "/lmit");
+  EXPECT_EQ(problem->errors[0].detail, "unknown query parameter, expected limit, page_token");
+}
+
+TEST(CheckQuery, RefusesAParameterThatIsThereTwice) {
+  const Route route{.method = "GET", .pattern = "/v1/maps", .handler = {}, .parameters = {"limit"}};
+  EXPECT_EQ(check_query(route, {{"limit", "3"}, {"limit", "4"}})->errors[0].detail,
+            "is there twice");
+}
+
+TEST(CheckQuery, RefusesAnyParameterWhereNoneIsTaken) {
+  EXPECT_EQ(check_query(Route{}, {{"x", ""}})->errors[0].detail,
+            "unknown query parameter, expected none");
+}
+
 }  // namespace
 }  // namespace cornerfix::server

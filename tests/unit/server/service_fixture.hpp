@@ -25,6 +25,7 @@ struct SessionLimits {
   NowText expired_before{};
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
   NowText stale_before{};
+  std::size_t max_all = 100;
 };
 
 /// What one process would hold. Several may share a file.
@@ -48,6 +49,7 @@ struct Process {
                               events.times_to_localization_s.push_back(time);
                           },
                       .max_session_bytes = session_limits.max_bytes,
+                      .max_sessions = session_limits.max_all,
                       .max_sessions_per_robot = session_limits.max_per_robot,
                       .max_searched_map_bytes = session_limits.max_searched_map_bytes,
                       .expired_before = session_limits.expired_before,

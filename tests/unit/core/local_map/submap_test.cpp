@@ -223,6 +223,22 @@ TEST(Submap, AForgottenScanLeavesNoEvidenceAndNoFeature) {
   EXPECT_EQ(numbers(positions(window.features())), numbers(positions(last_only.features())));
 }
 
+TEST(Submap, EvidenceThatIsNotGatheredIsThatOfTheKeptScans) {
+  SubmapParams params;
+  params.window_m = 2.0;
+  Driver driver(params);
+  Submap other(params);
+  other.stop_gathering_evidence();
+  for (const Moment& moment : office_moments(60)) driver.take(moment.scan);
+  for (const SubmapScan& scan : driver.submap.scans()) other.keep(scan, corners_of(scan.scan));
+  const Evidence& expected = driver.submap.evidence();
+  ASSERT_GT(expected.ends.size(), 100U);
+  EXPECT_EQ(other.evidence().ends.size(), expected.ends.size());
+  EXPECT_EQ(other.evidence().free.size(), expected.free.size());
+  other.gather_evidence();
+  EXPECT_EQ(other.evidence().ends.size(), expected.ends.size());
+}
+
 TEST(Submap, FeaturesAreTheCornersOfTheBuilding) {
   const std::vector<Moment> moments = office_moments(20);
   Driver driver;
