@@ -30,7 +30,7 @@ struct Token {
 };
 
 struct ServerConfig {
-  std::filesystem::path database;  ///< Or a URL, as Database::open().
+  std::filesystem::path database;                       ///< Or a URL, as Database::open().
   std::size_t min_free_bytes = std::size_t{16} << 20U;  ///< On its disk; below, /readyz is 503.
   std::string listen = "127.0.0.1";                     ///< Address to bind.
   int port = 8080;                                      ///< 0 takes a free one.

@@ -134,7 +134,8 @@ constexpr Limits kBytes{1, std::int64_t{1} << 40};
 
 std::vector<Setting> access_settings() {
   return {
-      text("database", &ServerConfig::database, "SQLite file, made when it does not exist, or postgresql://user@host/name"),
+      text("database", &ServerConfig::database,
+           "SQLite file, made when it does not exist, or postgresql://user@host/name"),
       text("listen", &ServerConfig::listen, "Address to bind"),
       integer("port", &ServerConfig::port, {0, 65535}, "Port; 0 takes a free one"),
       made(

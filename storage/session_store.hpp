@@ -38,7 +38,7 @@ struct SessionRecord {
   std::uint64_t last_batch = 0;  ///< Digest of the batch that `last_answer` answers; 0: not known.
   /// Given by insert() where it is 0; grows from session to session.
   std::int64_t number = 0;
-  bool is_damaged = false;       ///< Its stored state cannot be read; only list() gives such ones.
+  bool is_damaged = false;  ///< Its stored state cannot be read; only list() gives such ones.
 };
 
 /// Which sessions to list.

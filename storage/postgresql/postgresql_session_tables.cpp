@@ -104,8 +104,7 @@ class PostgresqlSessionTables : public SessionTables {
   }
 
   std::optional<std::string> robot_of(std::string_view id) override {
-    const PostgresqlRows rows =
-        connection_.execute("SELECT robot FROM sessions WHERE id = $1", id);
+    const PostgresqlRows rows = connection_.execute("SELECT robot FROM sessions WHERE id = $1", id);
     if (rows.empty()) return std::nullopt;
     return rows.text(0, 0);
   }
