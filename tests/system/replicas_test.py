@@ -75,6 +75,7 @@ class ReplicasTest(unittest.TestCase):
             robot = Robot(servers(number).url, "robot-8", map="willow", session=session)
             answers += [answer for answer in map(robot.add, batch) if answer]
             session = robot.session
+            robot.client.close()
         return answers
 
     def assert_as_alone(self, answers):

@@ -1,0 +1,89 @@
+#include "core/src/localizer/localizer_impl.hpp"
+
+#include <utility>
+
+#include "core/src/search/map_index.hpp"
+
+namespace cornerfix {
+
+void Localizer::Impl::restrict_to(std::optional<StartRegion> start_region) {
+  region = std::move(start_region);
+  if (region) search.restrict_to(*region, T_submap_base_link);
+}
+
+void Localizer::Impl::look_for_robot(StepTimes& times) {
+  const View view = view_from(submap, T_submap_base_link);
+  const double match_begin = now();
+  search.propose(maps, view, params.seed + scans);
+  times.match_ms = now() - match_begin;
+
+  const double verify_begin = now();
+  search.verify(maps, view);
+  searched = search.searched();
+  decide(view);
+  times.verify_ms = now() - verify_begin;
+}
+
+void Localizer::Impl::decide(const View& view) {
+  const bool was_lost = status == Status::kLost;
+  status = was_lost ? Status::kLost : Status::kCollecting;
+  terms = {};
+  confidence = 0.0;
+  const Candidates& candidates = search.candidates();
+  if (search.is_suspended()) {
+    reason = Reason::kSearching;
+    return;
+  }
+  if (candidates.empty()) {
+    const bool few_features =
+        params.method != Method::kIndexed &&
+        submap.features().size() < static_cast<std::size_t>(params.min_features);
+    reason = few_features ? Reason::kFewFeatures : no_match();
+    if (search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
+    return;
+  }
+  terms = search.terms();
+  confidence = terms.probability_correct;
+  if (!search.acceptable()) {
+    reason = candidates.missing_without_rivals();
+    const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
+    if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
+    if (reason != Reason::kNone && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
+    if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
+    return;
+  }
+  if (search.mirror_image_fits_better(maps, view)) {
+    reason = Reason::kFewEvidence;
+    return;
+  }
+  // A pose that new ground contradicted is not accepted again by what was seen before.
+  const Candidate& best = candidates.best();
+  const NewGround::Verdict verdict =
+      new_ground.judge(maps[best.map]->index().classes, submap.evidence(),
+                       best.T_map_base_link * inverse(T_submap_base_link));
+  if (verdict == NewGround::Verdict::kContradicts) {
+    reason = Reason::kContradicted;
+    return;
+  }
+  accept(candidates.best());
+}
+
+Reason Localizer::Impl::no_match() const {
+  return region ? Reason::kPriorContradicted : Reason::kNoMatch;
+}
+
+void Localizer::Impl::accept(const Candidate& best) {
+  status = Status::kLocalized;
+  reason = Reason::kNone;
+  begin_tracking(best);
+  misfits = 0;
+  misfit_way_m = 0.0;
+  ++epoch;
+  confirmed = false;
+  distance_since_acceptance_m = 0.0;
+  searched_at_m = 0.0;
+  accepted_index = submap.next_index();
+  new_ground = NewGround(submap.evidence());
+}
+
+}  // namespace cornerfix
