@@ -42,11 +42,11 @@ Response invalid_map_name() {
   return problem_response(problem);
 }
 
-Response incomplete_form(std::vector<api::FieldError> missing) {
+Response unusable_form(std::vector<api::FieldError> wrong) {
   api::Problem problem =
       api::make_problem(ErrorCode::kInvalidArgument,
                         "Send the parts yaml and image: -F yaml=@MAP.yaml -F image=@MAP.pgm");
-  problem.errors = std::move(missing);
+  problem.errors = std::move(wrong);
   return problem_response(problem);
 }
 
@@ -156,11 +156,15 @@ class MapRoutes {
   Response put_grid(const Request& request) {
     const std::string& name = request.captures[0];
     if (!api::is_valid_name(name)) return invalid_map_name();
-    std::vector<api::FieldError> missing;
+    std::vector<api::FieldError> wrong;
     for (const char* part : {"yaml", "image"}) {
-      if (!request.parts.contains(part)) missing.push_back({std::string("/") + part, "missing"});
+      if (!request.parts.contains(part)) wrong.push_back({std::string("/") + part, "missing"});
     }
-    if (!missing.empty()) return incomplete_form(std::move(missing));
+    for (const auto& [part, content] : request.parts) {
+      if (part != "yaml" && part != "image")
+        wrong.push_back({"/" + part, "not known, expected yaml and image only"});
+    }
+    if (!wrong.empty()) return unusable_form(std::move(wrong));
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
     const auto report = maps().put_floor_map(name, request.parts.at("yaml"),
                                              std::as_bytes(std::span(request.parts.at("image"))));

@@ -58,10 +58,10 @@ std::optional<Pose2> pose_or_null(value pose) {
   std::array<double, 3> numbers{};
   std::size_t count = 0;
   for (auto number : pose.get_array()) {
-    if (count == numbers.size()) throw simdjson::simdjson_error(simdjson::INDEX_OUT_OF_BOUNDS);
+    if (count == numbers.size()) throw simdjson::simdjson_error(simdjson::INCORRECT_TYPE);
     numbers[count++] = number.get_double();
   }
-  if (count != numbers.size()) throw simdjson::simdjson_error(simdjson::INDEX_OUT_OF_BOUNDS);
+  if (count != numbers.size()) throw simdjson::simdjson_error(simdjson::INCORRECT_TYPE);
   return Pose2{numbers[0], numbers[1], wrap_angle(numbers[2])};
 }
 
@@ -76,6 +76,7 @@ class JsonLinesParser final : public ScanParser {
       if (!has_header_) {
         header_ = {};
         named_beams_.reset();
+        has_increment_ = false;
         read_header(document.get_object());
       } else {
         LogScan scan = read_scan(document.get_object());
@@ -85,12 +86,13 @@ class JsonLinesParser final : public ScanParser {
         return check(std::move(scan));
       }
     } catch (const simdjson::simdjson_error& error) {
-      if (error.error() == simdjson::INCORRECT_TYPE && !field_.empty()) {
-        return malformed_line(field_ + ": " + expected(field_));
+      if (error.error() == simdjson::INCORRECT_TYPE) {
+        return malformed_line(field_.empty() ? "expected an object"
+                                             : field_ + ": " + expected(field_));
       }
       return malformed_line((field_.empty() ? "" : field_ + ": ") + error.what());
     }
-    if (header_.lidar.angle_increment == 0.0) {
+    if (!has_increment_) {
       return malformed_line(
           "header: expected name, beams, angle_min, angle_increment, range_min and range_max in "
           "front of the scans");
@@ -118,6 +120,7 @@ class JsonLinesParser final : public ScanParser {
         header_.beams = field.value().get_uint64();
         named_beams_ = header_.beams;
       } else {
+        has_increment_ |= field_ == "angle_increment";
         read_geometry(field.value(), header_.lidar);
       }
     }
@@ -194,6 +197,7 @@ class JsonLinesParser final : public ScanParser {
   simdjson::ondemand::parser json_;
   bool has_header_ = false;
   bool has_stamp_ = false;
+  bool has_increment_ = false;   ///< The header.
   bool has_own_angles_ = false;  ///< The scan being read.
   std::optional<std::size_t> named_beams_;
   double time_increment_ = 0.0;  ///< Of the header.

@@ -142,6 +142,7 @@ TEST_F(GridApiTest, BadFilesGetAClearErrorAndStoreNothing) {
            Case{form(room_.yaml, room_.image.substr(0, 200)), 400, "png"},
            Case{form("[", room_.image), 400, R"("pointer":"/yaml")"},
            Case{part("yaml", room_.yaml) + "--xyz--\r\n", 422, "/image"},
+           Case{part("lidar", "{}") + form(room_.yaml, room_.image), 422, "/lidar"},
            Case{part("yaml", "a") + form("a", "b"), 400, "twice"},
            Case{"no form at all", 400, "form"},
        }) {

@@ -263,6 +263,19 @@ TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
   EXPECT_THAT(log.error().message, HasSubstr("line 1, byte 0: header: range_max"));
 }
 
+TEST_F(LogReading, NamesTheMemberOfALineThatHasAnotherType) {
+  const auto message = [&](const std::string& header, const std::string& line) {
+    const auto log = read_log(directory_.write("a.jsonl", header + "\n" + line + "\n"));
+    return log.ok() ? std::string("read") : log.error().message;
+  };
+  EXPECT_THAT(message(kHeader, R"({"t": 1, "odom": [0, 0, 0, 1], "ranges": [1, 2, 3]})"),
+              HasSubstr("odom: expected [x, y, yaw] or null"));
+  EXPECT_THAT(message("[1, 2]", ""), HasSubstr("expected an object"));
+  EXPECT_THAT(message(R"({"angle_min": 0, "angle_increment": 0, "range_min": 0, "range_max": 9})",
+                      R"({"t": 1, "ranges": [1, 2, 3]})"),
+              HasSubstr("header: angle_increment"));
+}
+
 TEST_F(LogReading, RefusesFilesThatHoldNoRun) {
   EXPECT_EQ(read_log(directory_.write("a.jsonl", kHeader)).error().message, "holds no scan");
   EXPECT_EQ(read_log(directory_.write("a.bag", "nonsense")).error().code,
