@@ -15,10 +15,8 @@
 #include <vector>
 
 #include <cornerfix/laser_scan.hpp>
-#include <cornerfix/levelling.hpp>
 #include <cornerfix/localizer_params.hpp>
 #include <cornerfix/mapper.hpp>
-#include <cornerfix/start_region.hpp>
 
 #include "api/problem.hpp"
 

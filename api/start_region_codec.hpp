@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include <cornerfix/start_region.hpp>
+#include <cornerfix/localizer_params.hpp>
 
 #include "api/json_codec.hpp"
 #include "api/json_field.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <cornerfix/start_region.hpp>
+#include <cornerfix/localizer_params.hpp>
 
 #include "ros2/topic_names.hpp"
 

@@ -99,6 +99,26 @@ Error no_key_frames() {
           "the map was made from a floor map: it has no key frames that could move", "/map"};
 }
 
+/// Those that the map does not hold yet.
+template <typename Scan>
+Result<std::vector<const Scan*>> fresh_scans(StoreAccess& stores, std::int64_t map,
+                                             std::span<const Scan> scans) {
+  std::vector<double> stamps;
+  for (const Scan& scan : scans) stamps.push_back(scan.scan.stamp);
+  const auto known =
+      stores.with_maps([&](MapStore& maps) { return maps.known_stamps(map, stamps); });
+  if (!known) return known.error();
+  return new_scans(scans, *known);
+}
+
+/// The odometry that goes on where the keyframes end.
+LidarOdometry continued(std::optional<LidarOdometry>& odometry, const Mapper& mapper) {
+  if (odometry) return std::move(*odometry);
+  LidarOdometry resumed;
+  resumed.resume(mapper.key_frames());
+  return resumed;
+}
+
 }  // namespace
 
 /// A map being changed or made ready, one thread at a time.
@@ -229,13 +249,9 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
   if (auto error = mixed(*found, kHavePoses)) return *error;
   if (auto rebuilt = rebuild(*growing, *found); !rebuilt) return rebuilt.error();
 
-  std::vector<double> stamps;
-  for (const Scan& scan : scans) stamps.push_back(scan.scan.stamp);
-  const auto known =
-      stores_->with_maps([&](MapStore& maps) { return maps.known_stamps(found->id, stamps); });
-  if (!known) return known.error();
-  const auto fresh = new_scans(scans, *known);
-
+  const auto selected = fresh_scans(*stores_, found->id, scans);
+  if (!selected) return selected.error();
+  const std::vector<const Scan*>& fresh = *selected;
   MapGrowthReport report{.accepted = fresh.size(),
                          .duplicates = scans.size() - fresh.size(),
                          .key_frames = found->key_frame_count,
@@ -251,11 +267,7 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
       growing->mapper = std::move(mapper);
       return *error;
     }
-    if (growing->odometry) {
-      odometry = std::move(*growing->odometry);
-    } else {
-      odometry.resume(mapper.key_frames());
-    }
+    odometry = continued(growing->odometry, mapper);
   }
   SeenArea seen = growing->seen;
   const MapperParams params = mapper_params(*found);

@@ -5,7 +5,6 @@
 #include <cornerfix/corners.hpp>
 #include <cornerfix/descriptor.hpp>
 #include <cornerfix/laser_scan.hpp>
-#include <cornerfix/levelling.hpp>
 #include <cornerfix/localizability.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer.hpp>
@@ -17,4 +16,3 @@
 #include <cornerfix/ray_caster.hpp>
 #include <cornerfix/result.hpp>
 #include <cornerfix/slam.hpp>
-#include <cornerfix/start_region.hpp>

@@ -86,4 +86,16 @@ struct ScanMotion {
 /// scan whose increment would vanish or change its sign comes back as it is. O(beams).
 [[nodiscard]] LaserScan straightened(const LaserScan& scan, const ScanMotion& motion);
 
+/// How a laser is mounted out of the plane of motion: R_base_link_laser is R_z(yaw) R_y(pitch)
+/// R_x(roll) [rad]. A laser that hangs upside down has roll pi.
+struct LidarTilt {
+  double roll = 0.0;
+  double pitch = 0.0;
+  friend bool operator==(const LidarTilt&, const LidarTilt&) = default;
+};
+
+/// The scan as a level laser in the same place would have taken it, if walls are vertical: returns
+/// are projected to the plane. O(beams).
+[[nodiscard]] LaserScan levelled(const LaserScan& scan, const LidarTilt& tilt);
+
 }  // namespace cornerfix

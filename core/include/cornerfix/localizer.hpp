@@ -12,7 +12,6 @@
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer_params.hpp>
-#include <cornerfix/start_region.hpp>
 
 namespace cornerfix {
 

@@ -1,11 +1,15 @@
-/// \file  All settings of a localizer in one struct, a nested struct a stage.
+/// \file  All settings of a localizer in one struct, with one struct per stage, and the region in
+/// which a robot may start: a dock, a zone, the last known pose.
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <cornerfix/corners.hpp>
+#include <cornerfix/pose2.hpp>
 #include <cornerfix/result.hpp>
 
 namespace cornerfix {
@@ -64,5 +68,19 @@ struct LocalizerParams {
 };
 
 [[nodiscard]] std::optional<Error> validate(const LocalizerParams& params);
+
+/// Poses that base_link may have at the first scan after Localizer::reset(). Poses outside are not
+/// searched, also not as rivals, so the probability of an answer is conditional on the region.
+struct StartRegion {
+  std::string map{};                            ///< Name; empty: any of the localizer's maps.
+  Point2 center = Point2::Zero();               ///< In `map` [m].
+  double radius_m = 0.0;                        ///< > 0
+  std::optional<double> yaw{};                  ///< In `map` [rad]; any when not given.
+  double yaw_tolerance_rad = std::numbers::pi;  ///< To both sides of yaw; in (0, pi].
+
+  friend bool operator==(const StartRegion&, const StartRegion&) = default;
+};
+
+[[nodiscard]] std::optional<Error> validate(const StartRegion& region);
 
 }  // namespace cornerfix

@@ -1,4 +1,4 @@
-#include <cornerfix/start_region.hpp>
+#include <cornerfix/localizer_params.hpp>
 
 #include <cmath>
 

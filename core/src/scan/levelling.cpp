@@ -1,4 +1,4 @@
-#include <cornerfix/levelling.hpp>
+#include <cornerfix/laser_scan.hpp>
 
 #include <cmath>
 #include <numbers>

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include <cornerfix/localizer_params.hpp>
-#include <cornerfix/start_region.hpp>
 
 #include "core/src/local_map/view.hpp"
 #include "core/src/search/candidates.hpp"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cornerfix/localization_map.hpp>
+#include <cornerfix/localizer_params.hpp>
 #include <cornerfix/pose2.hpp>
-#include <cornerfix/start_region.hpp>
 
 namespace cornerfix {
 

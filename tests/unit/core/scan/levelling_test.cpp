@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include <cornerfix/levelling.hpp>
+#include <cornerfix/laser_scan.hpp>
 
 #include "support/scan_simulator.hpp"
 
