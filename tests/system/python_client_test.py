@@ -528,7 +528,7 @@ class RealServerTest(unittest.TestCase):
         return self.drive(Robot(self.server.url, "other", map="willow"), self.scans)
 
     def assert_same(self, answers, expected):
-        """But for the last digits: a restored session sums up in another order."""
+        """But for 5 mm: a restored session has to search again before its pose is accepted."""
         self.assertEqual(
             [(each.sequence, each.status) for each in answers],
             [(each.sequence, each.status) for each in expected],
@@ -539,7 +539,7 @@ class RealServerTest(unittest.TestCase):
                 self.assertEqual(answer.pose.epoch, other.pose.epoch)
                 for name in ("stamp", "x", "y", "yaw"):
                     self.assertAlmostEqual(
-                        getattr(answer.pose, name), getattr(other.pose, name), places=6
+                        getattr(answer.pose, name), getattr(other.pose, name), delta=0.005
                     )
 
     def test_manages_maps(self):
