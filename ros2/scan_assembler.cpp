@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 namespace cornerfix::ros2 {
@@ -150,12 +149,13 @@ std::size_t ScanAssembler::count_complete(Clock::time_point now) const {
 }
 
 bool ScanAssembler::lacks_motion(std::size_t count) const {
-  const auto batch = std::ranges::take_view(ready_, static_cast<std::ptrdiff_t>(count));
-  return std::ranges::any_of(batch, [&](const Ready& ready) {
+  const auto end = ready_.begin() + static_cast<std::ptrdiff_t>(count);
+  return std::any_of(ready_.begin(), end, [&](const Ready& ready) {
     const auto is_same_lidar = [&](const Ready& other) {
       return other.scan.lidar == ready.scan.lidar;
     };
-    return ready.scan.time_increment != 0.0 && std::ranges::count_if(batch, is_same_lidar) < 2;
+    return ready.scan.time_increment != 0.0 &&
+           std::count_if(ready_.begin(), end, is_same_lidar) < 2;
   });
 }
 

@@ -54,9 +54,9 @@ Result<std::uint64_t> StoreAccess::epoch(std::string_view session) {
   const std::unique_lock lock(session_mutex_, patience_);
   if (!lock) return busy();
   const auto epoch = read_epoch();
-  if (!epoch) return epoch;
+  if (!epoch) return epoch.error();
   const auto foreign_changes = sessions_.foreign_changes(session);
-  if (!foreign_changes) return foreign_changes;
+  if (!foreign_changes) return foreign_changes.error();
   return *epoch + *foreign_changes;  // Both only grow.
 }
 

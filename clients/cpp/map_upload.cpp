@@ -51,7 +51,7 @@ std::optional<std::string> description_body(const std::string& description,
   return body.dump();
 }
 
-MapUpload::MapUpload(std::string map, evaluation::LogHeader header, ServerConnection& server)
+MapUpload::MapUpload(const std::string& map, evaluation::LogHeader header, ServerConnection& server)
     : path_(path_of_map(map)), header_(std::move(header)), server_(server) {}
 
 Result<void> MapUpload::describe(const std::string& description) {

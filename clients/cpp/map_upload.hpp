@@ -42,7 +42,7 @@ struct KnownOfMap {
 /// Scans of one log into one map. The connection outlives it. One thread at a time.
 class MapUpload {
  public:
-  MapUpload(std::string map, evaluation::LogHeader header, ServerConnection& server);
+  MapUpload(const std::string& map, evaluation::LogHeader header, ServerConnection& server);
 
   /// Makes the map, or adds the description and lidar that it does not have.
   [[nodiscard]] Result<void> describe(const std::string& description);

@@ -57,6 +57,7 @@ class PostgresqlMapTables : public MapTables {
     constexpr std::size_t kMost = std::numeric_limits<std::int64_t>::max();
     const PostgresqlRows rows = connection_.execute(sql.c_str(), after, std::min(limit, kMost));
     std::vector<MapRow> maps;
+    maps.reserve(static_cast<std::size_t>(rows.size()));
     for (int row = 0; row < rows.size(); ++row) maps.push_back(read_map_row(rows, row));
     return maps;
   }

@@ -125,6 +125,7 @@ class PostgresqlSessionTables : public SessionTables {
     const PostgresqlRows rows = connection_.execute(
         "SELECT scan_index, scan FROM submap_scans WHERE session = $1", session);
     std::vector<ScanBlob> scans;
+    scans.reserve(static_cast<std::size_t>(rows.size()));
     for (int row = 0; row < rows.size(); ++row)
       scans.emplace_back(rows.number(row, 0), rows.copy(row, 1));
     return scans;
