@@ -43,6 +43,7 @@ Diagnosis diagnose(const Answer& answer, double stamp) {
 std::vector<std::string> full_names(const std::vector<std::string>& topics,
                                     const BridgeOptions& options, const std::string& ns) {
   std::vector<std::string> names;
+  names.reserve(topics.size());
   for (const std::string& topic : topics) names.push_back(options.remappings.resolve(topic, ns));
   return names;
 }
