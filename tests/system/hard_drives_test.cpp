@@ -5,14 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/map_image.hpp>
+#include <cornerfix/mapper.hpp>
 
 #include "evaluation/metrics/localization_score.hpp"
 #include "evaluation/simulation/run_simulator.hpp"
+#include "evaluation/simulation/scenes.hpp"
 
 namespace cornerfix::evaluation {
 namespace {
@@ -304,6 +308,38 @@ TEST(HardDrives, AMapUpdatedAfterTheBuildingWasRefurnishedIsAsGoodAsANewOne) {
   RecordProperty("stale", static_cast<int>(stale));
   RecordProperty("updated", static_cast<int>(updated));
   RecordProperty("made_anew", static_cast<int>(made_anew));
+}
+
+// Equal rooms, whose doors were opened and closed since they were mapped. From these scans on, the
+// doors of other rooms resemble those that the robot sees.
+TEST(HardDrives, DoorsThatChangedDoNotDecideBetweenCopiesOfACorridor) {
+  const OccupancyGrid mapped = make_scene(SceneKind::kCorridors, 6, 1);
+  const OccupancyGrid present = make_scene(SceneKind::kCorridors, 6, 2);
+  RunOptions options = drive_with(2.0 * kPi, 360, 12.0);
+  options.range_noise_m = 0.03;
+  options.length_m = 250.0;
+  options.step_m = 0.1;
+  options.seed = 105;
+  const auto run = simulate_run(mapped, options, &present);
+  ASSERT_TRUE(run.ok()) << run.error().message;
+  auto content = map_from_grid(mapped, {});
+  ASSERT_TRUE(content.ok()) << content.error().message;
+  const auto map =
+      std::make_shared<const LocalizationMap>("corridors", 1, std::move(content->content));
+
+  constexpr std::size_t kScans = 240;
+  for (const std::size_t start : {124U, 1124U, 1499U, 1624U}) {
+    ASSERT_GE(run->scans.size(), start + kScans);
+    Localizer localizer({map}, {});
+    std::size_t wrong = 0;
+    for (std::size_t i = start; i < start + kScans; ++i) {
+      const LogScan& scan = run->scans[i];
+      const Answer answer = localizer.process({scan.scan, Pose2{}, scan.T_odom_laser});
+      if (!answer.pose) continue;
+      wrong += is_correct(pose_error(answer.pose->T_map_base_link, *scan.T_map_laser)) ? 0 : 1;
+    }
+    EXPECT_EQ(wrong, 0U) << "from scan " << start;
+  }
 }
 
 }  // namespace
