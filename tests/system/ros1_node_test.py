@@ -65,7 +65,9 @@ class Node:
         }.items():
             rospy.set_param(f"/{namespace}/cornerfix/{name}", value)
         self._subscribers = [
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self._take_diagnosis, queue_size=100),
+            rospy.Subscriber(
+                f"/{namespace}/diagnostics", DiagnosticArray, self._take_diagnosis, queue_size=100
+            ),
             rospy.Subscriber(
                 f"/{namespace}/initialpose", PoseWithCovarianceStamped, self.initial_poses.put
             ),
@@ -79,8 +81,16 @@ class Node:
             )
             publishers.append(self._right_scans)
         self._odometry = rospy.Publisher(f"/{namespace}/odom", Odometry, queue_size=100)
-        self._process = subprocess.Popen([sys.executable, NODE, f"__ns:={namespace}"])
-        for topic in (*publishers, self._odometry, self._subscribers[1]):
+        # On a topic of its own no diagnosis is lost to a subscription of an earlier node.
+        self._process = subprocess.Popen(
+            [
+                sys.executable,
+                NODE,
+                f"__ns:={namespace}",
+                f"/diagnostics:=/{namespace}/diagnostics",
+            ]
+        )
+        for topic in (*publishers, self._odometry, *self._subscribers):
             self._wait_for_connection(topic)
 
     def _take_diagnosis(self, message):
