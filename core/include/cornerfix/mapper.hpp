@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -110,6 +111,17 @@ struct GridMap {
   std::vector<std::string> warnings;  ///< What the map's owner should know; one sentence each.
 };
 
+/// The steps of map_from_grid(), in their order.
+enum class GridMapStage {
+  kWalls,        ///< The surfaces of the walls.
+  kFeatures,     ///< Corners of simulated scans: nearly all of the time.
+  kDescriptors,  ///< Of the features.
+};
+
+/// Called at the beginning of each stage and as it goes on, with the share of the stage that is
+/// done, in [0, 1]. The work is given up when it returns false.
+using GridMapProgress = std::function<bool(GridMapStage, double)>;
+
 /// Makes a map from an occupancy map alone. Features come from simulated scans in the free space,
 /// so they are what a lidar would see there; the grid holds the surfaces of the walls.
 ///
@@ -117,10 +129,12 @@ struct GridMap {
 /// count of a feature are used. A count is of simulated scans, one per square metre of free space.
 ///
 /// \return kInvalidArgument for a map without free cells or without walls, kTooLarge for one of
-/// more than Mapper::kMaxCells cells at the wanted resolution.
+/// more than Mapper::kMaxCells cells at the wanted resolution, kUnavailable when `progress` gave
+/// up.
 ///
 /// O(cells + free space), on all cores. Less than 1 s of processor time for 1,000 m2 of free space.
 [[nodiscard]] Result<GridMap> map_from_grid(const OccupancyGrid& floor_map,
-                                            const MapperParams& params);
+                                            const MapperParams& params,
+                                            const GridMapProgress& progress = {});
 
 }  // namespace cornerfix

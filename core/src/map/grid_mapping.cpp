@@ -26,8 +26,8 @@ constexpr std::int64_t kManyPieces = 5'000;
 constexpr double kPiecesOfNoise = 2.0;  // [1/m^2] of free space
 // Walls in cells are stairs; what they differ by from straight ones counts as noise of the ranges.
 constexpr double kNoisePerCell = 0.3;
-/// Whose corners are kept in memory until they are in the map.
-constexpr std::size_t kViewpointsAtOnce = 4096;
+/// Whose corners are kept in memory until they are in the map, and progress is reported.
+constexpr std::size_t kViewpointsAtOnce = 512;
 constexpr double kThickWall = 0.15;  // [m], and so many cells
 constexpr double kThickWallCells = 4.0;
 constexpr double kCoarseCell = 0.15;  // [m]
@@ -84,10 +84,16 @@ std::vector<Point2> viewpoints_in(const OccupancyGrid& floor_map, const Simulate
   return lidar.viewpoints(lattice_m * std::sqrt(surplus), kViewpointClearance);
 }
 
-std::vector<Feature> features_of(const SimulatedLidar& lidar, std::span<const Point2> viewpoints,
-                                 double noise_m, const MapperParams& params) {
+/// Nothing when `progress` gives up.
+std::optional<std::vector<Feature>> features_of(const SimulatedLidar& lidar,
+                                                std::span<const Point2> viewpoints, double noise_m,
+                                                const MapperParams& params,
+                                                const GridMapProgress& progress) {
   FeatureMap features(params.features);
+  const std::size_t all = viewpoints.size();
   while (!viewpoints.empty()) {
+    const double share = 1.0 - static_cast<double>(viewpoints.size()) / static_cast<double>(all);
+    if (progress && !progress(GridMapStage::kFeatures, share)) return std::nullopt;
     const auto batch = viewpoints.first(std::min(viewpoints.size(), kViewpointsAtOnce));
     viewpoints = viewpoints.subspan(batch.size());
     std::vector<std::vector<Feature>> corners(batch.size());
@@ -124,9 +130,7 @@ std::vector<std::string> warnings_for(const OccupancyGrid& floor_map,
   return warnings;
 }
 
-}  // namespace
-
-Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams& params) {
+std::optional<Error> check_grid(const OccupancyGrid& floor_map) {
   if (floor_map.resolution < kFinestCell || floor_map.resolution > kCoarsestCell) {
     return Error{ErrorCode::kInvalidArgument, "expected metres a cell from 0.001 to 100",
                  "resolution"};
@@ -140,13 +144,25 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
                  "the floor map has no occupied cell: check occupied_thresh, negate and mode",
                  "image"};
   }
-  if (auto error = check_no_noise(floor_map)) return *error;
+  return check_no_noise(floor_map);
+}
+
+Error given_up() { return {ErrorCode::kUnavailable, "the map's making was given up", ""}; }
+
+}  // namespace
+
+Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams& params,
+                              const GridMapProgress& progress) {
+  const auto begin = [&](GridMapStage stage) { return !progress || progress(stage, 0.0); };
+  if (!begin(GridMapStage::kWalls)) return given_up();
+  if (auto error = check_grid(floor_map)) return *error;
   const OccupancyGrid clear = without_grey_rims(floor_map);
   Result<WallSurfaces> surfaces =
       find_wall_surfaces(clear, params.grid.resolution_m, Mapper::kMaxCells);
   if (!surfaces) return surfaces.error();
   GridMap map;
   map.warnings = warnings_for(floor_map, *surfaces);
+  if (!begin(GridMapStage::kFeatures)) return given_up();
   {  // The lidar takes five times the memory of the grid.
     const SimulatedLidar lidar(clear);
     const std::vector<Point2> viewpoints = viewpoints_in(clear, lidar);
@@ -155,9 +171,12 @@ Result<GridMap> map_from_grid(const OccupancyGrid& floor_map, const MapperParams
           "nowhere in the free space has a robot room to move about: the map is without features. "
           "Are resolution and thresholds right?");
     }
-    map.content.features =
-        features_of(lidar, viewpoints, kNoisePerCell * floor_map.resolution, params);
+    auto features =
+        features_of(lidar, viewpoints, kNoisePerCell * floor_map.resolution, params, progress);
+    if (!features) return given_up();
+    map.content.features = std::move(*features);
   }
+  if (!begin(GridMapStage::kDescriptors)) return given_up();
   map.content.descriptors = describe(map.content.features, params.descriptors);
   map.content.grid = std::move(surfaces->grid);
   return map;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "support/drawn_grid.hpp"
 #include "support/floor_plans.hpp"
@@ -52,6 +54,33 @@ std::size_t corners_found(const GridMap& map, std::span<const Point2> corners) {
         return std::any_of(map.content.features.begin(), map.content.features.end(),
                            [&](const Feature& f) { return (f.position - c).norm() < 0.15; });
       }));
+}
+
+TEST(GridMapping, ReportsItsStagesInTheirOrderWithGrowingShares) {
+  std::vector<std::pair<GridMapStage, double>> reports;
+  const Result<GridMap> map =
+      map_from_grid(floor_map_of(testing::offices()), {}, [&](GridMapStage stage, double share) {
+        reports.emplace_back(stage, share);
+        return true;
+      });
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->content.features.size(),
+            map_of(floor_map_of(testing::offices())).content.features.size());
+  EXPECT_TRUE(std::ranges::is_sorted(reports));
+  ASSERT_GE(reports.size(), 3U);
+  EXPECT_EQ(reports.front().first, GridMapStage::kWalls);
+  EXPECT_EQ(reports.back().first, GridMapStage::kDescriptors);
+}
+
+TEST(GridMapping, GivesUpInAnyStage) {
+  for (const GridMapStage last :
+       {GridMapStage::kWalls, GridMapStage::kFeatures, GridMapStage::kDescriptors}) {
+    const Result<GridMap> map =
+        map_from_grid(floor_map_of(testing::offices()), {},
+                      [&](GridMapStage stage, double /*share*/) { return stage != last; });
+    ASSERT_FALSE(map);
+    EXPECT_EQ(map.error().code, ErrorCode::kUnavailable);
+  }
 }
 
 TEST(GridMapping, ARobotFindsItselfInAFloorMapWithoutAnyScan) {
