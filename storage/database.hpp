@@ -1,7 +1,8 @@
 /// \file  A connection to a Cornerfix database of either engine: an SQLite file or PostgreSQL.
 ///
-/// The stores (map_store.hpp, session_store.hpp, token_store.hpp) hold the rules that both engines
-/// share. Each engine implements this interface and the three tables that a store works on.
+/// The stores (map_store.hpp, session_store.hpp, token_store.hpp, job_store.hpp) hold the rules
+/// that both engines share. Each engine implements this interface and the tables that a store works
+/// on.
 #pragma once
 
 #include <atomic>
@@ -17,6 +18,7 @@
 
 namespace cornerfix::storage {
 
+class JobTables;
 class MapTables;
 class SessionTables;
 class TokenTables;
@@ -106,6 +108,7 @@ class Database {
   [[nodiscard]] virtual MapTables& maps() = 0;
   [[nodiscard]] virtual SessionTables& sessions() = 0;
   [[nodiscard]] virtual TokenTables& tokens() = 0;
+  [[nodiscard]] virtual JobTables& jobs() = 0;
   [[nodiscard]] virtual LastIds last_ids() = 0;
   virtual void set_last_ids(const LastIds& ids) = 0;
 };

@@ -8,6 +8,7 @@
 
 #include "storage/blob_codec.hpp"
 #include "storage/digest.hpp"
+#include "storage/job_store.hpp"
 #include "storage/map_store.hpp"
 #include "storage/session_store.hpp"
 #include "storage/token_store.hpp"
@@ -106,17 +107,29 @@ class Copy {
         from_sessions_(from),
         to_sessions_(to),
         from_tokens_(from),
-        to_tokens_(to) {}
+        to_tokens_(to),
+        from_jobs_(from) {}
 
   Result<CopiedRows> run() {
-    for (const auto step : {&Copy::check_target, &Copy::copy_maps, &Copy::copy_sessions,
-                            &Copy::copy_tokens, &Copy::copy_ids}) {
+    for (const auto step : {&Copy::check_jobs, &Copy::check_target, &Copy::copy_maps,
+                            &Copy::copy_sessions, &Copy::copy_tokens, &Copy::copy_ids}) {
       if (Result<void> done = (this->*step)(); !done) return done.error();
     }
     return copied_;
   }
 
  private:
+  Result<void> check_jobs() {
+    const auto jobs = from_jobs_.open_jobs();
+    if (!jobs) return jobs.error();
+    const std::size_t unfinished = jobs->queued + jobs->running.size();
+    if (unfinished == 0) return {};
+    return Error{ErrorCode::kConflict,
+                 "the source has " + std::to_string(unfinished) +
+                     " jobs that are not finished: let a server finish them, or cancel them",
+                 from_.location()};
+  }
+
   Result<void> check_target() {
     const auto maps = to_maps_.list("", 1);
     if (!maps) return maps.error();
@@ -225,6 +238,7 @@ class Copy {
   SessionStore to_sessions_;
   TokenStore from_tokens_;
   TokenStore to_tokens_;
+  JobStore from_jobs_;
   CopiedRows copied_;
 };
 

@@ -19,8 +19,9 @@ struct CopiedRows {
 /// Copies every map, session and token of `from` with its identifiers, each map and session in a
 /// transaction of its own. Each is read back and must have the SHA-256 of its source.
 ///
-/// kConflict when `to` is not empty or `from` changes meanwhile, kCorruptData when a copy differs
-/// from its source. What was copied before an error stays: such a target is to be deleted.
+/// Jobs are not copied. kConflict when `from` has jobs that are not finished, when `to` is not
+/// empty or when `from` changes meanwhile. kCorruptData when a copy differs from its source. What
+/// was copied before an error stays: such a target is to be deleted.
 [[nodiscard]] Result<CopiedRows> copy_database(const std::shared_ptr<Database>& from,
                                                const std::shared_ptr<Database>& to);
 

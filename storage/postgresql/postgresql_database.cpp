@@ -98,6 +98,7 @@ class PostgresqlDatabase : public Database {
     has_change_ = true;
     return *tokens_;
   }
+  JobTables& jobs() override { return *jobs_; }
 
   LastIds last_ids() override {
     return {.map = last_of("SELECT CASE WHEN is_called THEN last_value ELSE 0 END "
@@ -127,6 +128,7 @@ class PostgresqlDatabase : public Database {
   std::unique_ptr<MapTables> maps_ = make_map_tables(connection_);
   std::unique_ptr<SessionTables> sessions_ = make_session_tables(connection_);
   std::unique_ptr<TokenTables> tokens_ = make_token_tables(connection_);
+  std::unique_ptr<JobTables> jobs_ = make_job_tables(connection_);
   /// Whether the current transaction may have changed what every server has in memory.
   bool has_change_ = false;
 };

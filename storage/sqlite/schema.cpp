@@ -125,9 +125,39 @@ CREATE TABLE tokens (
 ) STRICT;
 )sql";
 
-constexpr std::array<const char*, 7> kMigrations = {
-    kCreateTables, kCreateMapGrids, kAddDrift,    kRememberMapsAndBeams,
-    kRememberUse,  kRememberBatch,  kCreateTokens};
+// Long work that waits or is being done, and for a time what came of it. The inputs are apart, so
+// that a heartbeat does not write them anew.
+constexpr const char* kCreateJobs = R"sql(
+CREATE TABLE jobs (
+  number     INTEGER PRIMARY KEY AUTOINCREMENT,
+  id         TEXT    NOT NULL UNIQUE,
+  kind       TEXT    NOT NULL,
+  map        TEXT    NOT NULL,
+  status     TEXT    NOT NULL DEFAULT 'queued',
+  stage      TEXT    NOT NULL DEFAULT '',
+  progress   REAL    NOT NULL DEFAULT 0,
+  created    TEXT    NOT NULL,
+  started    TEXT    NOT NULL DEFAULT '',
+  finished   TEXT    NOT NULL DEFAULT '',
+  problem    TEXT    NOT NULL DEFAULT '',
+  cancelling INTEGER NOT NULL DEFAULT 0,
+  attempts   INTEGER NOT NULL DEFAULT 0,
+  holder     TEXT    NOT NULL DEFAULT '',
+  heartbeat  INTEGER NOT NULL DEFAULT 0,
+  answer     TEXT    NOT NULL DEFAULT ''
+) STRICT;
+
+CREATE TABLE job_inputs (
+  job     INTEGER NOT NULL REFERENCES jobs (number) ON DELETE CASCADE,
+  name    TEXT    NOT NULL,
+  content BLOB    NOT NULL,
+  PRIMARY KEY (job, name)
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 8> kMigrations = {
+    kCreateTables, kCreateMapGrids, kAddDrift,     kRememberMapsAndBeams,
+    kRememberUse,  kRememberBatch,  kCreateTokens, kCreateJobs};
 
 }  // namespace
 

@@ -168,6 +168,7 @@ SqliteDatabase::SqliteDatabase(fs::path path, Synchronous synchronous, int busy_
   maps_ = make_map_tables(*this);
   sessions_ = make_session_tables(*this);
   tokens_ = make_token_tables(*this);
+  jobs_ = make_job_tables(*this);
 }
 
 SqliteDatabase::~SqliteDatabase() = default;

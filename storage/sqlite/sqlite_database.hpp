@@ -46,6 +46,7 @@ class SqliteDatabase : public Database {
   [[nodiscard]] MapTables& maps() override { return *maps_; }
   [[nodiscard]] SessionTables& sessions() override { return *sessions_; }
   [[nodiscard]] TokenTables& tokens() override { return *tokens_; }
+  [[nodiscard]] JobTables& jobs() override { return *jobs_; }
   [[nodiscard]] LastIds last_ids() override;
   void set_last_ids(const LastIds& ids) override;
 
@@ -75,6 +76,7 @@ class SqliteDatabase : public Database {
   std::unique_ptr<MapTables> maps_;
   std::unique_ptr<SessionTables> sessions_;
   std::unique_ptr<TokenTables> tokens_;
+  std::unique_ptr<JobTables> jobs_;
   /// The database, its write-ahead log and its index.
   std::array<std::filesystem::path, 3> files_;
   std::array<std::optional<FileId>, 3> opened_;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "storage/job_store.hpp"
 #include "storage/map_store.hpp"
 #include "storage/session_store.hpp"
 #include "storage/token_store.hpp"
@@ -164,6 +165,17 @@ TEST_P(DatabaseCopy, RefusesATargetThatIsNotEmptyAndLeavesIt) {
   EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
   EXPECT_TRUE(MapStore(to_).list("", 1).value().empty());
   EXPECT_EQ(tokens.list().value().size(), 1U);
+}
+
+TEST_P(DatabaseCopy, RefusesASourceWithJobsThatAreNotFinished) {
+  JobStore jobs(from_);
+  ASSERT_TRUE(jobs.insert({.id = "a", .kind = "import", .map = "office", .created = "t0"}, {}));
+  const auto refused = copy_database(from_, to_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_THAT(refused.error().message, HasSubstr("1 jobs"));
+  ASSERT_TRUE(jobs.cancel("a", "t1"));
+  EXPECT_TRUE(copy_database(from_, to_));
 }
 
 TEST_P(DatabaseCopy, RefusesASourceWhoseContentHasAnotherDigest) {
