@@ -52,6 +52,7 @@ Router make_router(const Services& services) {
   Router router;
   add_map_routes(router, services);
   add_session_routes(router, services);
+  add_job_routes(router, services);
   add_health_routes(router, services);
   return router;
 }

@@ -23,6 +23,7 @@
 #include "server/http_message.hpp"
 #include "server/listen_socket.hpp"
 #include "server/media_types.hpp"
+#include "server/preference.hpp"
 #include "server/request_body.hpp"
 #include "server/request_stream.hpp"
 #include "server/request_trace.hpp"
@@ -83,6 +84,11 @@ Caller caller_of(const httplib::Request& raw) {
                 .fetch_site = raw.get_header_value("Sec-Fetch-Site")};
   std::for_each(first, last, [&](const auto& header) { caller.origins.push_back(header.second); });
   return caller;
+}
+
+bool asks_for_async(const httplib::Request& raw) {
+  const auto [first, last] = raw.headers.equal_range("Prefer");
+  return std::any_of(first, last, [](const auto& line) { return prefers_async(line.second); });
 }
 
 Response uri_too_long() {
@@ -315,6 +321,7 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   request.answer_format = answer.body;
   request.answer_profile = answer.profile;
   request.if_none_match = raw.get_header_value("If-None-Match");
+  request.prefers_async = asks_for_async(raw);
   if (may_have_body(raw.method)) {
     if (auto refusal = take_body(exchange, route->body, config.max_body_bytes)) return *refusal;
   }
@@ -395,6 +402,7 @@ void HttpServer::drain() {
   *impl_->services.draining = true;
   impl_->services.events->close();
   impl_->services.reports->close();
+  impl_->services.jobs->close();
   impl_->connections->drain();
 }
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <random>
 #include <utility>
 
 #include "server/batch_digest.hpp"
+#include "server/random_id.hpp"
 #include "server/session_maps.hpp"
 
 namespace cornerfix::server {
@@ -21,17 +21,6 @@ namespace {
 
 constexpr std::size_t kMapsAPage = 1000;
 constexpr int kMaxAttempts = 3;
-/// 128 random bits: nobody guesses another robot's session.
-std::string make_session_id() {
-  std::random_device random;
-  std::string id;
-  for (int word = 0; word < 4; ++word) {
-    constexpr std::string_view kDigits = "0123456789abcdef";
-    std::uint32_t bits = random();
-    for (int digit = 0; digit < 8; ++digit, bits >>= 4U) id += kDigits[bits & 15U];
-  }
-  return id;
-}
 
 /// Id of the newest session of a robot, if that is another one than `id`; else empty.
 Result<std::string> superseding(SessionStore& sessions, const std::string& robot,
@@ -79,7 +68,7 @@ Result<std::optional<SessionView>> LocalizationService::create(
   LocalizerState state;
   state.region = request.region;
   const std::string now = settings_.now();
-  const SessionRecord record{.id = make_session_id(),
+  const SessionRecord record{.id = random_id(),
                              .robot = request.robot,
                              .created = now,
                              .maps = request.maps,

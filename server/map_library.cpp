@@ -5,13 +5,11 @@
 #include <string>
 #include <type_traits>
 
-#include <cornerfix/map_image.hpp>
 #include <cornerfix/mapper.hpp>
-#include <cornerfix/slam.hpp>
 
+#include "server/growing_map.hpp"
 #include "server/map_outline.hpp"
 #include "server/mapping_batch.hpp"
-#include "server/seen_area.hpp"
 #include "server/trajectory_poses.hpp"
 
 namespace cornerfix::server {
@@ -20,25 +18,6 @@ using storage::MapInfo;
 using storage::MapStore;
 
 namespace {
-
-constexpr int kMaxRevisionAttempts = 3;
-/// A map_server yaml has less than 1 kB. A parsed one takes 40 times the memory of its text.
-constexpr std::size_t kMaxYamlBytes = std::size_t{64} << 10U;
-
-/// Whether another process came in between, so that trying again on its result makes sense.
-/// Not when the map is of the wrong kind: that will not change.
-bool is_worth_another_try(const Error& error) {
-  return error.code == ErrorCode::kConflict && error.field != "map";
-}
-
-template <typename Change>
-auto retrying(Change change) {
-  for (int attempt = 1;; ++attempt) {
-    auto result = change();
-    if (result || attempt == kMaxRevisionAttempts || !is_worth_another_try(result.error()))
-      return result;
-  }
-}
 
 bool is_scan_of(const LaserScan& scan, const api::Lidar& lidar) {
   return scan.angle_min == lidar.angle_min && scan.angle_increment == lidar.angle_increment &&
@@ -52,10 +31,6 @@ Error at_scan(Error error, std::ptrdiff_t index) {
 
 Error bad_archive(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message), "/archive"};
-}
-
-MapperParams mapper_params(const MapInfo& info) {
-  return api::mapper_params_from_json(info.parameters_json);
 }
 
 std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
@@ -79,19 +54,6 @@ Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParam
       mapper_of(moved_to(optimized->T_map_base_link, drifting.key_frames()), params);
   if (!mapper) return too_large_now(mapper.error());
   return mapper->build();
-}
-
-/// An error in the files of an occupancy map, as one in the form that they came in. Those that may
-/// be read but are wrong are keys of the yaml.
-Error at_form(Error error) {
-  error.field = (error.code == ErrorCode::kInvalidArgument ? "/yaml/" : "/") + error.field;
-  return error;
-}
-
-/// An error in a part of the request.
-Error at_part(Error error) {
-  error.field = "/" + error.field;
-  return error;
 }
 
 Error no_key_frames() {
@@ -120,28 +82,6 @@ LidarOdometry continued(std::optional<LidarOdometry>& odometry, const Mapper& ma
 }
 
 }  // namespace
-
-/// A map being changed or made ready, one thread at a time.
-struct MapLibrary::GrowingMap {
-  explicit GrowingMap(std::int64_t id) : map_id(id) {}
-
-  const std::int64_t map_id;
-  std::mutex mutex;
-  std::optional<Mapper> mapper;           ///< Holds the keyframes of `revision`.
-  SeenArea seen;                          ///< By these keyframes.
-  std::optional<LidarOdometry> odometry;  ///< At the last scan of a run without poses.
-  std::uint64_t revision = 0;
-
-  [[nodiscard]] bool holds(const MapInfo& info) const {
-    return mapper.has_value() && revision == info.revision;
-  }
-
-  /// What is known of the map in memory may be ahead of the store, or behind it.
-  void forget() {
-    mapper.reset();
-    odometry.reset();
-  }
-};
 
 MapLibrary::MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now)
     : stores_(std::move(stores)),
@@ -328,53 +268,6 @@ Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
   return stores_->with_maps([&](MapStore& maps) {
     return maps.move_key_frames(found->id, found->revision, *moved, outline_of(*mapper), now_());
   });
-}
-
-Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
-                                                 std::span<const std::byte> image) {
-  if (yaml.size() > kMaxYamlBytes) {
-    return Error{ErrorCode::kTooLarge,
-                 "the yaml has " + std::to_string(yaml.size()) + " bytes, expected at most " +
-                     std::to_string(kMaxYamlBytes),
-                 "/yaml"};
-  }
-  const auto floor_map = parse_map(yaml, image);
-  if (!floor_map) return at_form(floor_map.error());
-  auto report = retrying([&] { return put_floor_map_once(name, *floor_map); });
-  if (!report) return report;
-  for (auto note : {thinning_note(yaml, *floor_map), threshold_advice(yaml, image)}) {
-    if (note) report->warnings.push_back(std::move(*note));
-  }
-  return report;
-}
-
-Result<FloorMapReport> MapLibrary::put_floor_map_once(std::string_view name,
-                                                      const OccupancyGrid& floor_map) {
-  auto found = find(name);
-  if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
-  if (!found) return make_from_floor_map(name, floor_map, MapInfo{});
-  const auto growing = this->growing(found->id);
-  const std::lock_guard lock(growing->mutex);
-  found = find(name);  // The change before this one may just have come.
-  if (!found) return found.error();
-  return make_from_floor_map(name, floor_map, *found);
-}
-
-Result<FloorMapReport> MapLibrary::make_from_floor_map(std::string_view name,
-                                                       const OccupancyGrid& floor_map,
-                                                       const MapInfo& before) {
-  auto made = map_from_grid(floor_map, mapper_params(before));
-  if (!made) return at_part(made.error());
-  const storage::FloorMap stored{.grid = floor_map,
-                                 .expected_revision = before.revision,
-                                 .outline = outline_of(made->content)};
-  auto info =
-      stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
-  if (!info) return info.error();
-  const auto kept = stores_->with_maps(
-      [&](MapStore& maps) { return maps.store_content(info->id, info->revision, made->content); });
-  if (!kept) return kept.error();
-  return FloorMapReport{before.revision == 0, std::move(*info), std::move(made->warnings)};
 }
 
 Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name) {

@@ -20,6 +20,7 @@
 #include "api/requests.hpp"
 #include "server/map_cache.hpp"
 #include "server/store_access.hpp"
+#include "server/work_progress.hpp"
 
 namespace cornerfix::server {
 
@@ -82,8 +83,10 @@ class MapLibrary {
 
   /// Makes the map from a ROS occupancy map alone; a map made so before is made anew, in its frame
   /// and with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
+  /// kUnavailable when `progress` gave up.
   [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
-                                                     std::span<const std::byte> image);
+                                                     std::span<const std::byte> image,
+                                                     const WorkProgress& progress = {});
 
   /// The whole map as one SQLite file.
   [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
@@ -127,11 +130,13 @@ class MapLibrary {
                                                   std::span<const Scan> scans);
   [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
   [[nodiscard]] Result<FloorMapReport> put_floor_map_once(std::string_view name,
-                                                          const OccupancyGrid& floor_map);
+                                                          const OccupancyGrid& floor_map,
+                                                          const WorkProgress& progress);
   /// \param before  The entry as it is; revision 0 when there is none.
   [[nodiscard]] Result<FloorMapReport> make_from_floor_map(std::string_view name,
                                                            const OccupancyGrid& floor_map,
-                                                           const storage::MapInfo& before);
+                                                           const storage::MapInfo& before,
+                                                           const WorkProgress& progress);
   [[nodiscard]] Result<bool> store_entry(std::string_view name, const api::PutMapRequest& request,
                                          const std::optional<storage::MapRemake>& remake = {});
   [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);

@@ -8,6 +8,8 @@
 #include "api/json_codec.hpp"
 #include "api/report_codec.hpp"
 #include "server/entity_tag.hpp"
+#include "server/job_runners.hpp"
+#include "server/map_entries.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 
@@ -19,21 +21,6 @@ using storage::MapInfo;
 
 constexpr std::size_t kDefaultPage = 100;
 constexpr std::size_t kDefaultReportWait = 20;  // [s]
-
-api::MapEntry entry_of(const MapInfo& info) {
-  return {.name = info.name,
-          .description = info.description,
-          .revision = info.revision,
-          .digest = info.digest,
-          .has_floor_map = info.has_floor_map,
-          .key_frames = info.key_frame_count,
-          .features = info.feature_count,
-          .bounds = info.bounds,
-          .created = info.created,
-          .updated = info.updated,
-          .lidar_json = info.lidar_json,
-          .parameters_json = info.parameters_json};
-}
 
 Response invalid_map_name() {
   api::Problem problem = api::make_problem(
@@ -166,15 +153,15 @@ class MapRoutes {
     }
     if (!wrong.empty()) return unusable_form(std::move(wrong));
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
+    if (request.prefers_async) {
+      return accept_job(services_, request, kImportJob,
+                        {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
+    }
     const auto report = maps().put_floor_map(name, request.parts.at("yaml"),
                                              std::as_bytes(std::span(request.parts.at("image"))));
     if (!report) return error_response(request, report.error());
-    Response response =
-        document_response(request, report->created ? 201 : 200,
-                          api::render_floor_map({.revision = report->info.revision,
-                                                 .digest = report->info.digest,
-                                                 .features = report->info.feature_count,
-                                                 .warnings = report->warnings}));
+    Response response = document_response(request, report->created ? 201 : 200,
+                                          api::render_floor_map(entry_of(*report)));
     if (report->created) response.headers.emplace_back("Location", "/v1/maps/" + name);
     return response;
   }
@@ -245,6 +232,8 @@ class MapRoutes {
   }
 
   Response report(const Request& request) {
+    if (request.prefers_async && may(request.principal.role, Access::kMap))
+      return accept_report_job(request);
     return when_report_is_made(
         request, [&](const MapInfo& info, const ReportView& view) -> Response {
           return document_response(request, 200,
@@ -275,20 +264,22 @@ class MapRoutes {
                       "There are as many maps as there may be (max_maps): delete some.");
   }
 
-  static Response no_grid() {
-    return problem_response(404, "not_found",
-                            "The map has no grid yet: it has neither key frames nor a floor map.");
-  }
-
   template <typename Encode>
   Response grid_file(const Request& request, const char* content_type, Encode encode) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
     const auto grid = maps().grid(*info);
     if (!grid) return error_response(request, grid.error());
-    if (grid->cells.empty()) return no_grid();
+    if (grid->cells.empty()) return error_response(request, map_without_grid());
     Response response{.content_type = content_type, .body = encode(*grid)};
     return with_entity_tag(request, std::move(response), *info, content_type);
+  }
+
+  Response accept_report_job(const Request& request) {
+    const auto info = maps().find(request.captures[0]);
+    if (!info) return error_response(request, info.error());
+    if (!info->bounds) return error_response(request, map_without_grid());
+    return accept_job(services_, request, kReportJob, {});
   }
 
   template <typename Render>
@@ -303,7 +294,7 @@ class MapRoutes {
     }
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    if (!info->bounds) return no_grid();
+    if (!info->bounds) return error_response(request, map_without_grid());
     const auto view = services_.reports->get(*info, std::chrono::seconds(wait_s));
     if (!view) return error_response(request, view.error());
     if (view->report) return render(*info, *view);

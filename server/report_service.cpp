@@ -59,15 +59,17 @@ void ReportService::close() {
   changed_.notify_all();
 }
 
-Result<ReportView> ReportService::get(const storage::MapInfo& info, std::chrono::seconds wait) {
+Result<ReportView> ReportService::get(const storage::MapInfo& info, std::chrono::seconds wait,
+                                      ReportWaiter waiter) {
   std::unique_lock lock(mutex_);
   const auto job = find_or_begin(info);
   if (!job) return Error{ErrorCode::kUnavailable, "too many reports wait to be made", ""};
-  if (waiting_ < kMaxWaiting) {
-    ++waiting_;
+  const std::size_t places = waiter == ReportWaiter::kRequest ? 1 : 0;
+  if (places == 0 || waiting_ < kMaxWaiting) {
+    waiting_ += places;
     changed_.wait_for(lock, wait,
                       [&] { return closing_ || job->is_outdated || job->is_finished(); });
-    --waiting_;
+    waiting_ -= places;
   }
   if (job->is_outdated) return map_has_changed();
   if (job->error) {

@@ -25,6 +25,12 @@ struct ReportView {
   double progress = 0.0;                               ///< In [0, 1].
 };
 
+/// Who waits for a report.
+enum class ReportWaiter {
+  kRequest,  ///< Its thread may be needed by a robot: only a few may wait.
+  kJob,      ///< Has a thread of its own.
+};
+
 /// One thread of low priority makes the reports, so that robots' answers do not wait for them. Any
 /// threads may call.
 class ReportService {
@@ -40,7 +46,8 @@ class ReportService {
   /// The report of this revision; begun when it is not there, and waited for so long. Robots are
   /// simulated with the map's lidar if it names one with its beams, else with that of
   /// SimulatedRobot. kUnavailable when too many reports wait, kInternal when making it threw.
-  [[nodiscard]] Result<ReportView> get(const storage::MapInfo& info, std::chrono::seconds wait);
+  [[nodiscard]] Result<ReportView> get(const storage::MapInfo& info, std::chrono::seconds wait,
+                                       ReportWaiter waiter = ReportWaiter::kRequest);
 
   /// The map was deleted: gives its report up, and those who wait for it get kUnavailable.
   void forget(std::int64_t map_id);
@@ -61,7 +68,7 @@ class ReportService {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::list<std::shared_ptr<Job>> jobs_;  ///< Newest last.
-  std::size_t waiting_ = 0;               ///< Callers of get().
+  std::size_t waiting_ = 0;               ///< Requests in get().
   bool closing_ = false;
   std::thread worker_;
 };

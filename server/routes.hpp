@@ -4,10 +4,13 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "server/event_hub.hpp"
+#include "server/job_service.hpp"
 #include "server/localization_service.hpp"
 #include "server/map_library.hpp"
 #include "server/metrics.hpp"
@@ -28,6 +31,7 @@ struct Services {
   std::shared_ptr<StoreAccess> stores;
   std::shared_ptr<MapLibrary> maps;
   std::shared_ptr<ReportService> reports;
+  std::shared_ptr<JobService> jobs;
   std::shared_ptr<LocalizationService> localization;
   std::shared_ptr<EventHub> events;
   std::shared_ptr<Metrics> metrics;
@@ -46,6 +50,12 @@ struct Services {
 [[nodiscard]] Response over_quota(const Services& services, std::string_view code,
                                   std::string detail);
 
+/// Takes a job about the map of the request's path: 202 with its location, or 429.
+[[nodiscard]] Response accept_job(const Services& services, const Request& request,
+                                  const char* kind,
+                                  const std::map<std::string, std::string_view>& input);
+
+void add_job_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);
 void add_session_routes(Router& router, const Services& services);
 void add_health_routes(Router& router, const Services& services);

@@ -76,7 +76,10 @@ struct ServerConfig {
   std::size_t max_sessions_per_robot = 100;  ///< More are answered 429.
   int session_expiry_days = 30;              ///< Then an unused session is removed.
   std::size_t recorded_answers = 0;          ///< Of a session, kept in memory with their scans.
-  int session_stale_s = 60;                  ///< Without a batch for longer, a session is `stale`.
+  std::size_t max_jobs = 64;  ///< Unfinished, in the database; more are answered 429.
+  std::size_t max_job_bytes = std::size_t{1} << 30U;  ///< Of their input; more is answered 429.
+  int job_expiry_hours = 24;                          ///< Then a finished job is removed.
+  int session_stale_s = 60;  ///< Without a batch for longer, a session is `stale`.
 };
 
 /// A value that comes from outside the configuration file.

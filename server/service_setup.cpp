@@ -8,6 +8,7 @@
 
 #include "api/json_codec.hpp"
 #include "server/event_log.hpp"
+#include "server/job_runners.hpp"
 #include "server/responses.hpp"
 
 namespace cornerfix::server {
@@ -85,6 +86,15 @@ LocalizationServiceSettings localization_settings(const ServerConfig& config,
               }};
 }
 
+JobServiceSettings job_settings(const ServerConfig& config) {
+  return {.now = now_text,
+          .expired_before =
+              [hours = std::chrono::hours(config.job_expiry_hours)] {
+                return time_text(SystemClock::now() - hours);
+              },
+          .limits = {.jobs = config.max_jobs, .bytes = config.max_job_bytes}};
+}
+
 }  // namespace
 
 std::string now_text() { return time_text(SystemClock::now()); }
@@ -105,6 +115,8 @@ Result<Services> open_services(const ServerConfig& config, std::function<ServerL
       MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
       now_text);
   services.reports = std::make_shared<ReportService>(services.maps);
+  services.jobs = std::make_shared<JobService>(
+      *stores, make_job_runners(services.maps, services.reports), job_settings(config));
   services.load = std::move(load);
   services.localization = std::make_shared<LocalizationService>(
       *stores, services.maps, localization_settings(config, services.events, services.metrics));

@@ -220,6 +220,12 @@ std::vector<Setting> storage_settings() {
               "Newest answers of a session that stay in memory with their scans"),
       integer("session_expiry_days", &ServerConfig::session_expiry_days, {1, 36'500},
               "A session is removed after this time without a batch"),
+      integer("max_jobs", &ServerConfig::max_jobs, {1, 100'000},
+              "Jobs in the database that are not finished; more are answered 429"),
+      integer("max_job_bytes", &ServerConfig::max_job_bytes, kBytes,
+              "Of the input of these jobs; more is answered 429"),
+      integer("job_expiry_hours", &ServerConfig::job_expiry_hours, {1, 876'000},
+              "A finished job is removed after this time"),
   };
 }
 

@@ -25,11 +25,13 @@ StoreAccess::StoreAccess(std::shared_ptr<Database> map_database,
     : map_database_(std::move(map_database)),
       maps_(map_database_),
       session_list_(map_database_),
+      jobs_(map_database_),
       patience_(patience),
       session_database_(std::move(session_database)),
       sessions_(session_database_),
       map_entries_(session_database_),
       tokens_(session_database_),
+      job_leases_(session_database_),
       page_check_(session_database_) {}
 
 Result<std::vector<storage::TokenRecord>> StoreAccess::tokens() {

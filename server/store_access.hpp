@@ -15,6 +15,7 @@
 
 #include "server/store_health.hpp"
 #include "storage/database.hpp"
+#include "storage/job_store.hpp"
 #include "storage/map_store.hpp"
 #include "storage/session_store.hpp"
 #include "storage/token_store.hpp"
@@ -69,6 +70,24 @@ class StoreAccess {
     return std::forward<Use>(use)(map_entries_);
   }
 
+  /// `use(JobStore&)` on the connection for maps.
+  template <typename Use>
+  std::invoke_result_t<Use, storage::JobStore&> with_jobs(Use&& use) {
+    const std::lock_guard lock(map_mutex_);
+    if (const auto in_place = map_database_->check_in_place(); !in_place) return in_place.error();
+    return std::forward<Use>(use)(jobs_);
+  }
+
+  /// `use(JobStore&)` on the connection for sessions: for the heartbeats, which would else make
+  /// this process read all anew (epoch()).
+  template <typename Use>
+  std::invoke_result_t<Use, storage::JobStore&> with_job_leases(Use&& use) {
+    const std::unique_lock lock(session_mutex_, patience_);
+    if (!lock) return busy();
+    if (const auto in_place = map_database_->check_in_place(); !in_place) return in_place.error();
+    return std::forward<Use>(use)(job_leases_);
+  }
+
   [[nodiscard]] Result<std::vector<storage::TokenRecord>> tokens();
 
   /// Of what the database holds.
@@ -98,6 +117,7 @@ class StoreAccess {
   std::shared_ptr<storage::Database> map_database_;
   storage::MapStore maps_;
   storage::SessionStore session_list_;
+  storage::JobStore jobs_;
 
   const std::chrono::milliseconds patience_;  ///< For other calls about sessions.
   std::timed_mutex session_mutex_;
@@ -105,6 +125,7 @@ class StoreAccess {
   storage::SessionStore sessions_;
   storage::MapStore map_entries_;
   storage::TokenStore tokens_;
+  storage::JobStore job_leases_;
   std::int64_t data_version_ = -1;
   std::uint64_t epoch_ = 0;
   OncePerSecond write_check_;

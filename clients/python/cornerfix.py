@@ -306,6 +306,25 @@ class MapEntry:
 
 
 @dataclass(frozen=True)
+class Job:
+    """Long work on the server; `raw` has all members."""
+
+    id: str
+    kind: str
+    map: str
+    status: Literal["queued", "running", "succeeded", "failed", "cancelled"]
+    stage: Optional[str] = None
+    progress: float = 0.0
+    problem: Optional[Json] = None
+    """Why it failed: members as those of `Problem`."""
+    raw: Json = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def is_finished(self) -> bool:
+        return self.status not in ("queued", "running")
+
+
+@dataclass(frozen=True)
 class Session:
     """A robot's session on the server; `raw` has all members."""
 
@@ -480,10 +499,15 @@ class Client:
         Without `image` it is the file that the yaml names, or one of that name beside the yaml.
         Returns revision, digest, number of features, and `warnings` about the files.
         """
-        yaml_path = pathlib.Path(yaml)
-        image_path = pathlib.Path(image) if image else _image_of(yaml_path)
-        body, content_type = _multipart({"yaml": yaml_path, "image": image_path})
+        body, content_type = _map_server_form(yaml, image)
         return self.request("PUT", _map_path(name, "/grid"), body, content_type).json()
+
+    def start_import(self, name: str, yaml: PathLike, image: Optional[PathLike] = None) -> Job:
+        """As import_map_server(), as a job: for maps that take longer than a request may."""
+        body, content_type = _map_server_form(yaml, image)
+        later = {"Prefer": "respond-async"}
+        reply = self.request("PUT", _map_path(name, "/grid"), body, content_type, later)
+        return _from_json(Job, reply.json())
 
     def add_scans(self, name: str, scans: Iterable[Scan], *, batch: int = 50) -> Json:
         """Adds scans to a map that is there: all with `pose`, or all without (SLAM).
@@ -523,6 +547,27 @@ class Client:
             "scans": [scan.to_json(lidar) for scan in scans],
         }
         return _answer(self.call("POST", _map_path(name, "/localize"), body))
+
+    # Jobs.
+
+    def jobs(self) -> List[Job]:
+        return [_from_json(Job, each) for each in self._pages("jobs")]
+
+    def job(self, job: str) -> Job:
+        return _from_json(Job, self.call("GET", f"/v1/jobs/{quote(job, safe='')}"))
+
+    def job_result(self, job: str) -> Json:
+        """Of a job that succeeded: what import_map_server() returns, or the report."""
+        return self.call("GET", f"/v1/jobs/{quote(job, safe='')}/result")
+
+    def cancel_job(self, job: str) -> Job:
+        return _from_json(Job, self.call("DELETE", f"/v1/jobs/{quote(job, safe='')}"))
+
+    def wait_for_job(self, job: str, *, every_s: float = 0.5) -> Job:
+        """The job when it is finished."""
+        while not (found := self.job(job)).is_finished:
+            time.sleep(every_s)
+        return found
 
     # Sessions.
 
@@ -565,10 +610,13 @@ class Client:
         path: str,
         body: Optional[bytes] = None,
         content_type: Optional[str] = None,
+        more_headers: Optional[Mapping[str, str]] = None,
     ) -> _Reply:
         """One call, repeated as the class describes. Raises Problem or Unreachable."""
         deadline = time.monotonic() + self.give_up_after_s
-        headers = {**self._headers, **({"Content-Type": content_type} if content_type else {})}
+        headers = {**self._headers, **(more_headers or {})}
+        if content_type:
+            headers["Content-Type"] = content_type
         failure: CornerfixError
         for attempt in itertools.count():
             wait_s: Optional[float] = None
@@ -629,6 +677,12 @@ def _map_path(name: str, rest: str = "") -> str:
 
 def _session_path(session: str, rest: str = "") -> str:
     return f"/v1/sessions/{quote(session, safe='')}{rest}"
+
+
+def _map_server_form(yaml: PathLike, image: Optional[PathLike]) -> Tuple[bytes, str]:
+    yaml_path = pathlib.Path(yaml)
+    image_path = pathlib.Path(image) if image else _image_of(yaml_path)
+    return _multipart({"yaml": yaml_path, "image": image_path})
 
 
 def _image_of(yaml: pathlib.Path) -> pathlib.Path:

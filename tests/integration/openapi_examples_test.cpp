@@ -125,7 +125,8 @@ TEST_F(OpenapiExamplesTest, AllWorkAndGetWhatIsDocumented) {
       "getGridImage",  "getGridYaml",   "getArchive",       "getReport",    "getReportPicture",
       "localize",      "createSession", "listSessions",     "getSession",   "getSessionHistory",
       "resetSession",  "getMetrics",    "postSessionScans", "listSessions", "deleteSession",
-      "deleteMap",     "getMap"};
+      "deleteMap",     "getMap",        "listJobs",         "getJob",       "getJobResult",
+      "cancelJob"};
   std::set<std::string> covered(order.begin(), order.end());
   covered.insert("getSessionEvents");
   covered.insert({"putGrid", "postArchive"});  // No documents: grid_api_test.cpp.

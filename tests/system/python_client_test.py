@@ -556,6 +556,17 @@ class RealServerTest(unittest.TestCase):
             self.client.map("office")
         self.assertEqual((raised.exception.status, raised.exception.code), (404, "not_found"))
 
+    def test_imports_a_map_as_a_job(self):
+        job = self.client.start_import("willow", WILLOW)
+        self.assertEqual((job.kind, job.map, job.is_finished), ("import", "willow", False))
+        done = self.client.wait_for_job(job.id, every_s=0.05)
+        self.assertEqual((done.status, done.progress), ("succeeded", 1.0), done)
+        self.assertEqual(self.client.job_result(job.id), self.imported)
+        self.assertEqual([each.id for each in self.client.jobs()], [job.id])
+        with self.assertRaises(Problem) as raised:
+            self.client.cancel_job(job.id)
+        self.assertEqual(raised.exception.code, "conflict")
+
     def test_reads_all_pages_of_a_list(self):
         names = [f"map-{i:03}" for i in range(101)]
         for name in names:

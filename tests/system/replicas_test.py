@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 from real_server import CLIENT, SHORT_SIGHTED, SOURCE, WILLOW, RealServer, record_run, run, skip
@@ -130,6 +131,19 @@ class ReplicasTest(unittest.TestCase):
             for scan in self.scans[5:10]:
                 robot.add(scan)
         self.assertEqual(raised.exception.code, "conflict")
+
+    def test_another_server_takes_the_job_of_a_killed_one_over(self):
+        job = Client(self.first.url).start_import("again", WILLOW)
+        second = Client(self.second.url)
+        while second.job(job.id).status == "queued":
+            time.sleep(0.01)
+        self.first.kill()
+        self.addCleanup(self.first.start)
+        self.assertEqual(second.job(job.id).status, "running")
+        done = second.wait_for_job(job.id)
+        self.assertEqual(done.status, "succeeded", done)
+        self.assertEqual(second.map("again").digest, second.map("willow").digest)
+        self.assertEqual(second.job_result(job.id)["digest"], second.map("willow").digest)
 
     def test_robots_behind_haproxy_lose_no_batch_when_a_server_is_killed(self):
         proxy = self.start_haproxy()

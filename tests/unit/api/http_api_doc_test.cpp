@@ -33,6 +33,8 @@ std::vector<nlohmann::json> answers_in(const std::string& text) {
 /// By a member that only documents of this kind have.
 std::string schema_of(const nlohmann::json& answer) {
   for (const auto& [member, schema] : std::vector<std::pair<const char*, const char*>>{
+           {"jobs", "JobList"},
+           {"cancelling", "Job"},
            {"type", "Problem"},
            {"agvPosition", "Vda5050State"},
            {"warnings", "FloorMapResult"},

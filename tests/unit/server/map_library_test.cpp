@@ -292,6 +292,31 @@ TEST_F(MapLibraryTest, HoldsTheFeaturesOfItsParametersWhenFloorMapAndParametersA
   }
 }
 
+TEST_F(MapLibraryTest, ReportsTheStagesOfAnImportAndStoresNothingWhenItIsGivenUp) {
+  make_map(process_, "office");
+  const OccupancyGrid grid = (*maps_.load("office"))->grid();
+  const std::string yaml = encode_grid_yaml(grid, "p.png");
+  const std::vector<std::byte> image = encode_grid_png(grid);
+  std::vector<std::string> stages;
+  double last = 0.0;
+  ASSERT_TRUE(maps_.put_floor_map("plan", yaml, image, [&](std::string_view stage, double share) {
+    EXPECT_GE(share, last);
+    EXPECT_LE(share, 1.0);
+    last = share;
+    if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+    return true;
+  }));
+  EXPECT_THAT(stages,
+              ::testing::ElementsAre("reading", "walls", "features", "descriptors", "storing"));
+  for (const std::string& given_up : stages) {
+    const auto left = maps_.put_floor_map(
+        "other", yaml, image, [&](std::string_view stage, double) { return stage != given_up; });
+    ASSERT_FALSE(left);
+    EXPECT_EQ(left.error().code, ErrorCode::kUnavailable);
+    EXPECT_EQ(maps_.find("other").error().code, ErrorCode::kNotFound);
+  }
+}
+
 TEST_F(MapLibraryTest, RefusesALongYaml) {
   const auto refused = maps_.put_floor_map("plan", std::string(70'000, '#'), {});
   ASSERT_FALSE(refused);

@@ -1,0 +1,131 @@
+#include <nlohmann/json.hpp>
+
+#include "api/job_codec.hpp"
+#include "server/responses.hpp"
+#include "server/routes.hpp"
+
+namespace cornerfix::server {
+namespace {
+
+using storage::JobRecord;
+using storage::JobStatus;
+
+constexpr std::size_t kDefaultJobPage = 100;
+
+api::JobEntry entry_of(const JobRecord& job) {
+  return {.id = job.id,
+          .kind = job.kind,
+          .map = job.map,
+          .status = to_string(job.status),
+          .stage = job.stage,
+          .progress = job.progress,
+          .is_cancelling = job.is_cancelling,
+          .created = job.created,
+          .started = job.started,
+          .finished = job.finished,
+          .problem = job.problem,
+          .has_result = job.status == JobStatus::kSucceeded};
+}
+
+/// `limit` and `page_token` of the query.
+std::variant<storage::JobPage, api::Problem> job_page(const Request& request) {
+  storage::JobPage page{.limit = kDefaultJobPage};
+  if (const auto text = request.parameter("limit")) {
+    const auto limit = api::parse_page_limit(*text);
+    if (const auto* problem = std::get_if<api::Problem>(&limit)) return *problem;
+    page.limit = std::get<std::size_t>(limit);
+  }
+  if (const auto text = request.parameter("page_token")) {
+    const auto token = api::parse_session_page_token(*text);
+    if (const auto* problem = std::get_if<api::Problem>(&token)) return *problem;
+    page.after = static_cast<std::int64_t>(std::get<std::size_t>(token));
+  }
+  return page;
+}
+
+class JobRoutes {
+ public:
+  explicit JobRoutes(Services services) : services_(std::move(services)) {}
+
+  Response list(const Request& request) {
+    const auto parsed = job_page(request);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    storage::JobPage page = std::get<storage::JobPage>(parsed);
+    const std::size_t limit = page.limit++;
+    auto jobs = services_.jobs->list(page);
+    if (!jobs) return error_response(request, jobs.error());
+    const bool has_more = jobs->size() > limit;
+    if (has_more) jobs->pop_back();
+    std::vector<api::JobEntry> entries;
+    for (const JobRecord& job : *jobs) entries.push_back(entry_of(job));
+    const std::string next = has_more ? std::to_string(jobs->back().number) : "";
+    return document_response(
+        request, 200,
+        api::render_job_list(entries,
+                             has_more ? std::optional<std::string_view>(next) : std::nullopt));
+  }
+
+  Response get(const Request& request) {
+    const auto job = services_.jobs->find(request.captures[0]);
+    if (!job) return error_response(request, job.error());
+    return document_response(request, 200, api::render_job(entry_of(*job)));
+  }
+
+  Response result(const Request& request) {
+    const auto answer = services_.jobs->answer(request.captures[0]);
+    if (!answer) return error_response(request, answer.error());
+    return text_response(request, 200, *answer);
+  }
+
+  Response cancel(const Request& request) {
+    const auto job = services_.jobs->cancel(request.captures[0]);
+    if (!job) return error_response(request, job.error());
+    return document_response(request, 200, api::render_job(entry_of(*job)));
+  }
+
+ private:
+  Services services_;
+};
+
+}  // namespace
+
+Response accept_job(const Services& services, const Request& request, const char* kind,
+                    const std::map<std::string, std::string_view>& input) {
+  std::map<std::string, storage::BlobView> blobs;
+  for (const auto& [name, content] : input) {
+    blobs.emplace(name, storage::BlobView(reinterpret_cast<const std::uint8_t*>(content.data()),
+                                          content.size()));
+  }
+  const auto job = services.jobs->submit(kind, request.captures[0], blobs);
+  if (!job) return error_response(request, job.error());
+  if (!*job) {
+    return over_quota(services, "too_many_jobs",
+                      "As many jobs wait as may wait (max_jobs), or their input has as many bytes "
+                      "as it may have (max_job_bytes): try again later, or cancel some.");
+  }
+  Response response = document_response(request, 202, api::render_job(entry_of(**job)));
+  response.headers.emplace_back("Location", "/v1/jobs/" + (*job)->id);
+  response.headers.emplace_back("Preference-Applied", "respond-async");
+  return response;
+}
+
+void add_job_routes(Router& router, const Services& services) {
+  const auto routes = std::make_shared<JobRoutes>(services);
+  const auto add = [&](const char* method, const char* pattern,
+                       Response (JobRoutes::*handler)(const Request&),
+                       std::vector<std::string> parameters = {}) {
+    router.add({.method = method,
+                .pattern = pattern,
+                .access = Access::kMap,
+                .body = BodyRule::kIgnored,
+                .handler = [routes, handler](
+                               const Request& request) { return ((*routes).*handler)(request); },
+                .parameters = std::move(parameters)});
+  };
+  add("GET", "/v1/jobs", &JobRoutes::list, {"limit", "page_token"});
+  add("GET", "/v1/jobs/{id}", &JobRoutes::get);
+  add("GET", "/v1/jobs/{id}/result", &JobRoutes::result);
+  add("DELETE", "/v1/jobs/{id}", &JobRoutes::cancel);
+}
+
+}  // namespace cornerfix::server

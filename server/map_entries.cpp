@@ -1,0 +1,32 @@
+#include "server/map_entries.hpp"
+
+namespace cornerfix::server {
+
+api::MapEntry entry_of(const storage::MapInfo& info) {
+  return {.name = info.name,
+          .description = info.description,
+          .revision = info.revision,
+          .digest = info.digest,
+          .has_floor_map = info.has_floor_map,
+          .key_frames = info.key_frame_count,
+          .features = info.feature_count,
+          .bounds = info.bounds,
+          .created = info.created,
+          .updated = info.updated,
+          .lidar_json = info.lidar_json,
+          .parameters_json = info.parameters_json};
+}
+
+api::FloorMapResult entry_of(const FloorMapReport& report) {
+  return {.revision = report.info.revision,
+          .digest = report.info.digest,
+          .features = report.info.feature_count,
+          .warnings = report.warnings};
+}
+
+Error map_without_grid() {
+  return {ErrorCode::kNotFound,
+          "The map has no grid yet: it has neither key frames nor a floor map.", "map"};
+}
+
+}  // namespace cornerfix::server

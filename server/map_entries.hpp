@@ -1,0 +1,17 @@
+/// \file  What the services know of a map, as entries of documents.
+#pragma once
+
+#include "api/json_codec.hpp"
+#include "server/map_library.hpp"
+
+namespace cornerfix::server {
+
+/// Views of `info`, which must live longer.
+[[nodiscard]] api::MapEntry entry_of(const storage::MapInfo& info);
+/// Views of `report`, which must live longer.
+[[nodiscard]] api::FloorMapResult entry_of(const FloorMapReport& report);
+
+/// For what needs the grid of a map that is empty.
+[[nodiscard]] Error map_without_grid();
+
+}  // namespace cornerfix::server
