@@ -215,8 +215,16 @@ void JobService::end(const JobRecord& job, const Result<std::string>& answer) {
 
 /// Where this fails, the lease runs out and the job is begun anew.
 void JobService::finish(const JobRecord& job, const JobOutcome& outcome) {
-  const auto finished = stores_->with_jobs(
-      [&](JobStore& jobs) { return jobs.finish(job.number, holder_, outcome, settings_.now()); });
+  Current last;  // A short job may have ended before its first heartbeat.
+  {
+    const std::lock_guard lock(mutex_);
+    if (current_) last = *current_;
+  }
+  const auto finished = stores_->with_jobs([&](JobStore& jobs) -> Result<bool> {
+    const auto lease = jobs.renew(job.number, holder_, last.stage, last.progress);
+    if (!lease) return lease.error();
+    return jobs.finish(job.number, holder_, outcome, settings_.now());
+  });
   if (!finished || !*finished) return;
   log_event("job", {{"job", job.id},
                     {"kind", job.kind},

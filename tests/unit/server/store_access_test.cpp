@@ -89,7 +89,7 @@ TEST_F(StoreAccessTest, IsNotReadyWithDamagedPages) {
   damage(file_);
   const auto probe = stores_->probe(0);
   ASSERT_FALSE(probe);
-  EXPECT_THAT(probe.error().message, HasSubstr("damaged"));
+  EXPECT_EQ(probe.error().code, ErrorCode::kCorruptData);
 }
 
 TEST_F(StoreAccessTest, IsNotReadyWhenItCannotWrite) {
