@@ -76,6 +76,7 @@ struct ServerConfig {
   std::size_t max_sessions_per_robot = 100;  ///< More are answered 429.
   int session_expiry_days = 30;              ///< Then an unused session is removed.
   std::size_t recorded_answers = 0;          ///< Of a session, kept in memory with their scans.
+  int checkpoint_interval_s = 0;             ///< 0: a batch is stored before its answer.
   int session_stale_s = 60;                  ///< Without a batch for longer, a session is `stale`.
 };
 

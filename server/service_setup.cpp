@@ -82,7 +82,8 @@ LocalizationServiceSettings localization_settings(const ServerConfig& config,
           .stale_before =
               [silence = std::chrono::seconds(config.session_stale_s)] {
                 return time_text(SystemClock::now() - silence);
-              }};
+              },
+          .checkpoint_interval = std::chrono::seconds(config.checkpoint_interval_s)};
 }
 
 }  // namespace

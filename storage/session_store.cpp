@@ -192,6 +192,7 @@ Result<void> SessionStore::update(std::string_view id, const SessionUpdate& upda
 }
 
 std::vector<Result<void>> SessionStore::update(std::span<const SessionChange> changes) {
+  if (changes.empty()) return {};
   // Before pointers into it are held.
   if (known_.size() + changes.size() > kMaxKnownSessions) known_.clear();
   std::vector<Result<void>> results(changes.size());
