@@ -39,7 +39,7 @@ constexpr int kMaxHeaps = 4;
 /// library keeps ever larger ones, and what a large map needed while it was loaded would stay.
 constexpr int kMappedBufferBytes = 1 << 20;
 /// On top of the drain time, for batches that are being worked on: then the process ends anyway.
-/// What was acknowledged is in the database.
+/// What was acknowledged is then in the database.
 constexpr std::chrono::seconds kLastBatchTime{2};
 
 struct ServeArguments {
@@ -70,6 +70,12 @@ void reload_tokens(HttpServer& server, const ServeArguments& arguments) {
   server.set_tokens(std::move(config->tokens));
 }
 
+/// With a checkpoint interval, the last batches are in memory only.
+void store_sessions(HttpServer& server) {
+  const std::size_t failed = server.store_sessions();
+  if (failed > 0) spdlog::error("{} sessions are not stored: they lose their last batches", failed);
+}
+
 /// Drains the server when a stop signal comes, and reloads tokens at SIGHUP. Every thread made
 /// after this one leaves these signals alone.
 class Signals {
@@ -86,6 +92,7 @@ class Signals {
       std::unique_lock lock(mutex_);
       if (!ended_.wait_for(lock, stop_time, [this] { return has_ended_; })) {
         spdlog::warn("some requests are still in work; leaving them");
+        store_sessions(server);
         spdlog::shutdown();
         std::_Exit(kDone);
       }
@@ -148,6 +155,7 @@ int serve(const ServerConfig& config, const ServeArguments& arguments) {
   std::fflush(stdout);
   const bool was_drained = server.run();
   signals.end();
+  store_sessions(server);
   if (!was_drained) return fail({ErrorCode::kInternal, "the listening socket failed", ""});
   spdlog::info("drained");
   return kDone;

@@ -6,14 +6,18 @@ Each round starts the server on the same database, lets robots and mappers post 
 
 - a session expects the batch after the last acknowledged one, or the one after that when a batch
   was on its way; the last batch, posted again, gets the same answer, byte for byte;
+- with --checkpoint-interval S, a session may also expect an older batch: at most the batches of the
+  last S seconds are asked for again, and the session ends with the last scan of a whole batch;
 - a map has the revision that was acknowledged or a newer one, and knows every acknowledged scan;
 - a deleted session is gone, a created one is there.
 
 With --full-disk FILE_SYSTEM (a small one, as a tmpfs) the database lies there, and in every second
 round the disk is filled while robots post: then 507 and 503 are right, and nothing else changes.
+With --postgresql the database is in a PostgreSQL server of its own, which is not killed.
 """
 
 import argparse
+import contextlib
 import http.client
 import json
 import math
@@ -27,7 +31,10 @@ import tempfile
 import threading
 import time
 
+SOURCE = pathlib.Path(__file__).resolve().parents[1]
 BEAMS = 61
+SCANS_PER_BATCH = 3
+WRITING_S = 0.5  # Longest time to write a checkpoint, on a busy machine.
 LIDAR = {"angle_min": -1.5, "angle_increment": 0.05, "range_min": 0.05, "range_max": 30.0}
 START_TIMEOUT_S = 30
 REFUSALS = (503, 507)  # Right when the disk is full.
@@ -64,9 +71,10 @@ class Client:
 
 
 class Server:
-    def __init__(self, program, database, log):
+    def __init__(self, options, database, log):
         self.process = subprocess.Popen(
-            [program, "serve", "--port", "0", "--db", str(database)],
+            [options.program, "serve", "--port", "0", "--db", str(database),
+             "--checkpoint-interval-s", str(options.checkpoint_interval)],
             stdout=subprocess.PIPE, stderr=log, text=True)
         line = self.process.stdout.readline()
         if "http://" not in line:
@@ -82,19 +90,27 @@ class Server:
 class Robot:
     """Posts batches in one session, and knows what was acknowledged."""
 
-    def __init__(self, name):
+    def __init__(self, name, interval_s):
         self.name = name
+        self.interval_s = interval_s
         self.session = None
+        self.acknowledged_at = []  # When each batch of the session was.
         self.next = 0  # First sequence without an acknowledgement.
         self.last = None  # Body and answer of the last acknowledged batch.
         self.gone = []  # Sessions whose deletion was acknowledged.
         self.batches = 0
+        self.asked_again = 0
         self.in_flight = None  # "batch" or "delete": was sent, and may be stored.
 
     def batch(self, sequence):
-        stamp = 1.0 + 0.2 * sequence
-        return {"sequence": sequence, "scans": [dict(scan(stamp, 0.01 * (sequence % 200)),
-                odom={"x": 0.01 * (sequence % 200), "y": 0.0, "yaw": 0.0})]}
+        shift = 0.01 * (sequence % 200)
+        return {"sequence": sequence, "scans": [
+            dict(scan(stamp, shift), odom={"x": shift, "y": 0.0, "yaw": 0.0})
+            for stamp in self.stamps(sequence)]}
+
+    @staticmethod
+    def stamps(sequence):
+        return [1.0 + 0.2 * sequence + 0.05 * i for i in range(SCANS_PER_BATCH)]
 
     def step(self, client, draw):
         if self.session is None:
@@ -102,6 +118,7 @@ class Robot:
                                        {"robot": self.name, "map": "room", "lidar": LIDAR})
             if status == 201:
                 self.session, self.next, self.last = json.loads(body)["id"], 0, None
+                self.acknowledged_at = []
             return expect(status, 201)
         if draw.random() < 0.005:
             session = self.session
@@ -118,6 +135,7 @@ class Robot:
         self.in_flight = None
         if status == 200:
             self.last = (body, answer)
+            self.acknowledged_at.append(time.monotonic())
             self.next += 1
             self.batches += 1
         return expect(status, 200)
@@ -137,15 +155,37 @@ class Robot:
             raise Lost(f"{self.name}: session {self.session} answers {status}: {body[:200]}")
         expected = json.loads(body)["expected"]
         most = self.next + (1 if self.in_flight == "batch" else 0)
-        if not self.next <= expected <= most:
+        if not self.least_expected() <= expected <= most:
             raise Lost(f"{self.name}: expects {expected}, acknowledged up to {self.next - 1}")
+        self.check_is_whole(client, expected)
         if self.last and expected == self.next:
             status, answer = client.call("POST", f"/v1/sessions/{self.session}/scans", self.last[0])
             if (status, answer) != (200, self.last[1]):
                 raise Lost(f"{self.name}: batch {self.next - 1} has another answer: {status}")
         if expected != self.next:
+            self.asked_again += max(0, self.next - expected)
             self.next, self.last = expected, None
+            del self.acknowledged_at[expected:]
+            # One that was on its way: when it was stored is not known.
+            self.acknowledged_at += [time.monotonic()] * (expected - len(self.acknowledged_at))
         self.in_flight = None
+
+    def least_expected(self):
+        """The sequence that the server must have come to, by what it promises."""
+        if self.interval_s == 0 or not self.acknowledged_at:
+            return self.next
+        since = self.acknowledged_at[-1] - self.interval_s - WRITING_S
+        return sum(at < since for at in self.acknowledged_at)
+
+    def check_is_whole(self, client, expected):
+        """By the stamp of the last scan that the session has."""
+        ahead = self.batch(expected + 100)
+        status, body = client.call("POST", f"/v1/sessions/{self.session}/scans", ahead)
+        last = json.loads(body).get("last_stamp")
+        whole = self.stamps(expected - 1)[-1] if expected > 0 else None
+        is_whole = last == whole or (last and whole and abs(last - whole) < 1e-6)
+        if status != 409 or not is_whole:
+            raise Lost(f"{self.name}: expects {expected}, but its last stamp is {last}")
 
 
 class Mapper:
@@ -228,7 +268,7 @@ def fill(directory, draw):
 
 def run_round(options, number, directory, actors, log):
     draw = random.Random(options.seed * 1_000_003 + number)
-    server = Server(options.program, directory / "crash.db", log)
+    server = Server(options, options.database, log)
     client = Client(server.port)
     for actor in actors:
         actor.check(client)
@@ -252,9 +292,9 @@ def run_round(options, number, directory, actors, log):
         raise Lost("; ".join(failures))
 
 
-def make_room(options, directory, log):
+def make_room(options, log):
     """The map that robots look in."""
-    server = Server(options.program, directory / "crash.db", log)
+    server = Server(options, options.database, log)
     mapper = Mapper("room")
     client = Client(server.port)
     for _ in range(12):
@@ -273,27 +313,54 @@ def main():
     parser.add_argument("--robots", type=int, default=8)
     parser.add_argument("--longest", type=float, default=0.4, help="seconds of load per round")
     parser.add_argument("--full-disk", metavar="DIRECTORY", help="on a small file system")
+    parser.add_argument("--checkpoint-interval", type=int, default=0, metavar="SECONDS")
+    parser.add_argument("--postgresql", action="store_true")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=options.full_disk) as name:
         directory = pathlib.Path(name)
-        with open(os.devnull, "w") as log:
-            actors = [Robot(f"cart-{i}") for i in range(options.robots)]
-            actors += [make_room(options, directory, log), Mapper("grown")]
-            for number in range(options.rounds):
-                try:
-                    run_round(options, number, directory, actors, log)
-                except Lost as lost:
-                    print(f"round {number}, seed {options.seed}: {lost}", file=sys.stderr)
-                    return 1
-            # What the last round acknowledged is checked as well.
-            server = Server(options.program, directory / "crash.db", log)
-            for actor in actors:
-                actor.check(Client(server.port))
-            server.kill()
+        directory.chmod(0o755)  # PostgreSQL runs as another user.
+        with open_database(options, directory), open(os.devnull, "w") as log:
+            return run_rounds(options, directory, log)
+
+
+def run_rounds(options, directory, log):
+    robots = [Robot(f"cart-{i}", options.checkpoint_interval) for i in range(options.robots)]
+    actors = [*robots, make_room(options, log), Mapper("grown")]
+    for number in range(options.rounds):
+        try:
+            run_round(options, number, directory, actors, log)
+        except Lost as lost:
+            print(f"round {number}, seed {options.seed}: {lost}", file=sys.stderr)
+            return 1
+    # What the last round acknowledged is checked as well.
+    server = Server(options, options.database, log)
+    for actor in actors:
+        actor.check(Client(server.port))
+    server.kill()
     acknowledged = sum(actor.batches for actor in actors)
+    asked_again = sum(robot.asked_again for robot in robots)
     print(f"{options.rounds} rounds, {acknowledged} acknowledged batches: 0 lost, 0 doubled, "
-          "0 refused starts")
+          f"0 refused starts, {asked_again} asked for again as promised")
     return 0
+
+
+@contextlib.contextmanager
+def open_database(options, directory):
+    """Sets `options.database` to where the database is."""
+    if not options.postgresql:
+        options.database = directory / "crash.db"
+        yield
+        return
+    sys.path.insert(0, str(SOURCE / "tests" / "system"))
+    from replicas import NOT_INSTALLED, Postgresql
+    postgresql = Postgresql(directory / "postgresql")
+    if postgresql.start() == NOT_INSTALLED:
+        sys.exit(NOT_INSTALLED)
+    options.database = postgresql.new_database()
+    try:
+        yield
+    finally:
+        postgresql.control("stop")
 
 
 if __name__ == "__main__":

@@ -394,6 +394,8 @@ bool HttpServer::run() {
   return was_drained;
 }
 
+std::size_t HttpServer::store_sessions() { return impl_->services.localization->store_all(); }
+
 void HttpServer::set_tokens(std::vector<Token> tokens) {
   impl_->gate->set_tokens(std::move(tokens));
 }

@@ -26,6 +26,10 @@ class HttpServer {
   /// socket failed.
   [[nodiscard]] bool run();
 
+  /// Stores what checkpoints have not stored yet, but for sessions within a batch. Returns how many
+  /// sessions could not be stored. Any thread may call.
+  [[nodiscard]] std::size_t store_sessions();
+
   /// Requests are checked by these tokens from now on. Any thread may call.
   void set_tokens(std::vector<Token> tokens);
 

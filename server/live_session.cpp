@@ -56,6 +56,29 @@ LocalizerState LiveSession::state() const {
   return state;
 }
 
+storage::SessionChange LiveSession::change(const LocalizerState& state) const {
+  return {record.id,
+          {.previous_sequence = stored_sequence,
+           .expected_sequence = record.expected_sequence,
+           .last_answer = record.last_answer,
+           .state = &state,
+           .now = record.last_used,
+           .last_batch = record.last_batch,
+           .previous_scans = stored_scans}};
+}
+
+void LiveSession::note_stored(const LocalizerState& state) {
+  stored_sequence = record.expected_sequence;
+  stored_scans = state.scans;
+  unstored_since.reset();
+}
+
+void LiveSession::discard() {
+  is_current = false;
+  is_whole = false;
+  unstored_since.reset();
+}
+
 bool LiveSession::is_same_as(const SessionRecord& stored) const {
   // Every batch raises the one number and a reset zeroes the other: both the same, nobody was here.
   return is_current && localizer && stored.expected_sequence == record.expected_sequence &&
@@ -78,7 +101,9 @@ void LiveSession::load(SessionRecord stored, api::Lidars its_lidars) {
   is_answered = stored_state.scans > 0;
   last_scan = newest_scan(stored_state);
   feature_points.clear();
+  note_stored(stored_state);
   is_current = true;
+  is_whole = true;
 }
 
 void LiveSession::reset(LocalizerState forgotten, const std::string& now) {
@@ -91,7 +116,9 @@ void LiveSession::reset(LocalizerState forgotten, const std::string& now) {
   last_scan.reset();
   feature_points.clear();
   record.last_used = now;
+  note_stored(stored_state);
   is_current = true;
+  is_whole = true;
 }
 
 void LiveSession::note_confirmed(const Answer& answer) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -45,7 +46,7 @@ struct SessionView {
 /// A localizer knows its tracked map by its place in a list; `map_ids` is that list. In the store
 /// and in `stored_state` it is the map's id itself, because by the time it is read the list may be
 /// another. Guarded by `mutex` where nothing else is said.
-struct LiveSession {
+struct LiveSession : std::enable_shared_from_this<LiveSession> {
   explicit LiveSession(std::atomic<std::size_t>& live_bytes) : live_bytes_(live_bytes) {}
   ~LiveSession() { drop_localizer(); }
   LiveSession(const LiveSession&) = delete;
@@ -70,7 +71,12 @@ struct LiveSession {
   std::vector<Point2> feature_points;
   api::AnswerHistory history;
   std::map<std::string, std::int64_t> ids_by_name;  ///< Of the maps asked for, once seen.
-  bool is_current = false;       ///< False: to be read from the store before use.
+  bool is_current = false;            ///< False: to be read from the store before use.
+  bool is_whole = false;              ///< False: the localizer is within a batch that did not end.
+  std::uint64_t stored_sequence = 0;  ///< `expected_sequence` and the state's `scans` as they are
+  std::uint64_t stored_scans = 0;     ///< in the store.
+  /// When the first batch was acknowledged that the store does not have yet.
+  std::optional<std::chrono::steady_clock::time_point> unstored_since;
   std::uint64_t epoch = 0;       ///< Of the store when it was last known to be current.
   std::uint64_t maps_epoch = 0;  ///< Of the store when the localizer's maps were.
   std::chrono::steady_clock::time_point last_used;  ///< Guarded by the table's mutex.
@@ -78,6 +84,13 @@ struct LiveSession {
   [[nodiscard]] SessionView view() const;
   [[nodiscard]] std::optional<double> last_stamp() const;
   [[nodiscard]] LocalizerState state() const;
+
+  /// What brings the store to what is in memory; views of it live as long as this and `state`.
+  [[nodiscard]] storage::SessionChange change(const LocalizerState& state) const;
+  /// The store has taken change(state).
+  void note_stored(const LocalizerState& state);
+  /// What is in memory is no longer right: it is read from the store before use.
+  void discard();
 
   /// Whether the store has what is in memory.
   [[nodiscard]] bool is_same_as(const storage::SessionRecord& stored) const;

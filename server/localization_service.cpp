@@ -30,6 +30,16 @@ Result<std::string> superseding(SessionStore& sessions, const std::string& robot
   return newest;
 }
 
+std::vector<Result<void>> write_changes(StoreAccess& stores,
+                                        std::span<const storage::SessionChange> changes) {
+  auto written =
+      stores.with_sessions([&](SessionStore& sessions) -> Result<std::vector<Result<void>>> {
+        return sessions.update(changes);
+      });
+  if (written) return std::move(*written);
+  return std::vector<Result<void>>(changes.size(), Result<void>(written.error()));
+}
+
 Error no_such_session(const std::string& id) {
   return {ErrorCode::kNotFound, "there is no session " + id, ""};
 }
@@ -52,7 +62,15 @@ class LocalizationService::LockedSession {
 LocalizationService::LocalizationService(std::shared_ptr<StoreAccess> stores,
                                          std::shared_ptr<MapLibrary> maps,
                                          LocalizationServiceSettings settings)
-    : stores_(std::move(stores)), maps_(std::move(maps)), settings_(std::move(settings)) {}
+    : stores_(std::move(stores)),
+      maps_(std::move(maps)),
+      settings_(std::move(settings)),
+      group_commit_([this](std::span<const storage::SessionChange> changes) {
+        return write_changes(*stores_, changes);
+      }) {
+  if (settings_.checkpoint_interval.count() > 0)
+    checkpoints_ = std::make_unique<Checkpoints>(stores_, settings_.checkpoint_interval);
+}
 
 LocalizationService::~LocalizationService() = default;
 
@@ -192,14 +210,9 @@ Result<SessionView> LocalizationService::reset(const std::string& id,
     LocalizerState forgotten;
     forgotten.region = region;
     const std::string now = settings_.now();
-    const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
-                                        .expected_sequence = session.record.expected_sequence,
-                                        .last_answer = session.record.last_answer,
-                                        .state = &forgotten,
-                                        .now = now,
-                                        .last_batch = session.record.last_batch};
-    const auto saved =
-        stores_->with_sessions([&](SessionStore& sessions) { return sessions.update(id, update); });
+    storage::SessionChange change = session.change(forgotten);
+    change.update.now = now;
+    const auto saved = group_commit_.store(change);
     if (!saved && saved.error().code == ErrorCode::kConflict && attempt < kMaxAttempts) continue;
     if (!saved) return saved.error();
     session.reset(std::move(forgotten), now);
@@ -258,11 +271,15 @@ Result<BatchOutcome> LocalizationService::post_scans(const std::string& id,
 
 Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
                                                      const api::SessionScansRequest& request) {
+  if (checkpoints_ && checkpoints_->is_overdue(session)) {
+    if (auto stored = store(session); !stored) return stored.error();
+  }
   if (auto ready = use_current_maps(session); !ready) return ready.error();
   const auto last_stamp = session.localizer->last_stamp();
   if (auto error = check_stamp(request.scans.front(), last_stamp, session.lidars)) return *error;
 
-  session.is_current = false;  // Until the store has the batch too.
+  session.is_current = false;  // Until the batch is saved.
+  session.is_whole = false;
   std::optional<double> search_begin = session.search_begin;
   const auto prepare = [&](const Answer& answer) -> Result<void> {
     session.note_confirmed(answer);
@@ -279,7 +296,11 @@ Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
                                                .sequence = request.sequence,
                                                .stamp = last.scan.stamp,
                                                .answer = batch.answer});
-  if (auto saved = save(session, request, answer); !saved) return saved.error();
+  session.record.expected_sequence = request.sequence + 1;
+  session.record.last_batch = digest_of(request.scans);
+  session.record.last_answer = answer;
+  session.record.last_used = settings_.now();
+  if (auto saved = save(session); !saved) return saved.error();
   session.history.add(batch.answer, request.sequence, session.record.last_used);
   session.status = batch.answer.status;
   session.count_bytes();
@@ -290,6 +311,7 @@ Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
   if (settings_.recorded_answers > 0)
     session.history.record({answer, last, session.feature_points}, settings_.recorded_answers);
   session.is_current = true;
+  session.is_whole = true;
   if (settings_.on_batch) {
     settings_.on_batch({session.record.id, session.record.robot}, batch.events,
                        [&] { return session.view(); });
@@ -297,25 +319,17 @@ Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
   return BatchOutcome{.answer = answer};
 }
 
-Result<void> LocalizationService::save(LiveSession& session,
-                                       const api::SessionScansRequest& request,
-                                       const std::string& answer) {
-  const LocalizerState state = session.state();
-  const std::string now = settings_.now();
-  const storage::SessionUpdate update{.previous_sequence = session.record.expected_sequence,
-                                      .expected_sequence = request.sequence + 1,
-                                      .last_answer = answer,
-                                      .state = &state,
-                                      .now = now,
-                                      .last_batch = digest_of(request.scans)};
-  auto saved = stores_->with_sessions(
-      [&](SessionStore& sessions) { return sessions.update(session.record.id, update); });
-  if (!saved) return saved;
-  session.record.expected_sequence = update.expected_sequence;
-  session.record.last_batch = update.last_batch;
-  session.record.last_answer = answer;
-  session.record.last_used = now;
+Result<void> LocalizationService::save(LiveSession& session) {
+  if (!checkpoints_) return store(session);
+  checkpoints_->add(session);
   return {};
+}
+
+Result<void> LocalizationService::store(LiveSession& session) {
+  const LocalizerState state = session.state();
+  auto stored = group_commit_.store(session.change(state));
+  if (stored) session.note_stored(state);
+  return stored;
 }
 
 Result<std::string> LocalizationService::localize(const std::string& map,
@@ -354,6 +368,13 @@ Result<LocalizationService::LockedSession> LocalizationService::lock(const std::
 
 Result<void> LocalizationService::refresh(LiveSession& session) {
   const std::string id = session.record.id;
+  if (session.unstored_since && session.is_whole) {
+    const auto stored = store(session);
+    session.is_current = session.is_current || stored;
+    if (stored) return {};
+    const ErrorCode code = stored.error().code;
+    if (code != ErrorCode::kConflict && code != ErrorCode::kNotFound) return stored.error();
+  }
   auto found = stores_->with_sessions([&](SessionStore& sessions) { return sessions.find(id); });
   if (!found) return found.error();
   if (!found->has_value()) return no_such_session(id);

@@ -17,6 +17,8 @@
 #include "api/answer_history.hpp"
 #include "api/requests.hpp"
 #include "server/batch_processing.hpp"
+#include "server/checkpoints.hpp"
+#include "server/group_commit.hpp"
 #include "server/live_session.hpp"
 #include "server/map_library.hpp"
 #include "server/session_table.hpp"
@@ -73,6 +75,8 @@ struct LocalizationServiceSettings {
   std::size_t recorded_answers = 0;  ///< Of a session's history, kept with their scans.
   NowText expired_before{};  ///< Sessions last used before this time are removed; may be empty.
   NowText stale_before{};    ///< Sessions last used before this time are stale; may be empty.
+  /// Zero: a batch is stored before its answer. Else sessions are stored by Checkpoints.
+  std::chrono::milliseconds checkpoint_interval{0};
 };
 
 /// Which sessions to list.
@@ -88,7 +92,8 @@ struct SessionList {
 };
 
 /// Sessions live in memory while robots post, and in the store always: what was answered survives
-/// the process, and several processes may serve the same file. Batches of one session are taken
+/// the process, but for the batches of the last `checkpoint_interval`. Several processes may serve
+/// the same file. Batches of one session are taken
 /// one after the other, those of different ones side by side. A call that fails changes nothing.
 /// Any threads may call.
 class LocalizationService {
@@ -128,6 +133,10 @@ class LocalizationService {
   [[nodiscard]] Result<std::string> localize(const std::string& map,
                                              const api::LocalizeRequest& request);
 
+  /// Stores what was acknowledged and is not stored yet, but for sessions within a batch. Returns
+  /// how many sessions could not be stored.
+  [[nodiscard]] std::size_t store_all() { return checkpoints_ ? checkpoints_->store_all() : 0; }
+
  private:
   class LockedSession;
 
@@ -143,14 +152,17 @@ class LocalizationService {
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();
   [[nodiscard]] Result<BatchOutcome> take_batch(LiveSession& session,
                                                 const api::SessionScansRequest& request);
-  [[nodiscard]] Result<void> save(LiveSession& session, const api::SessionScansRequest& request,
-                                  const std::string& answer);
+  /// Stores the session, or sees to it that it will be.
+  [[nodiscard]] Result<void> save(LiveSession& session);
+  [[nodiscard]] Result<void> store(LiveSession& session);
   void remove_expired();
 
   std::shared_ptr<StoreAccess> stores_;
   std::shared_ptr<MapLibrary> maps_;
   LocalizationServiceSettings settings_;
   SessionTable table_;
+  GroupCommit group_commit_;
+  std::unique_ptr<Checkpoints> checkpoints_;  ///< Null without an interval. Ends first.
 };
 
 }  // namespace cornerfix::server

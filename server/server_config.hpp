@@ -79,6 +79,7 @@ struct ServerConfig {
   std::size_t max_jobs = 64;  ///< Unfinished, in the database; more are answered 429.
   std::size_t max_job_bytes = std::size_t{1} << 30U;  ///< Of their input; more is answered 429.
   int job_expiry_hours = 24;                          ///< Then a finished job is removed.
+  int checkpoint_interval_s = 0;                      ///< 0: a batch is stored before its answer.
   int session_stale_s = 60;  ///< Without a batch for longer, a session is `stale`.
 };
 

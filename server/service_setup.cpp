@@ -83,7 +83,8 @@ LocalizationServiceSettings localization_settings(const ServerConfig& config,
           .stale_before =
               [silence = std::chrono::seconds(config.session_stale_s)] {
                 return time_text(SystemClock::now() - silence);
-              }};
+              },
+          .checkpoint_interval = std::chrono::seconds(config.checkpoint_interval_s)};
 }
 
 JobServiceSettings job_settings(const ServerConfig& config) {

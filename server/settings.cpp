@@ -213,6 +213,8 @@ std::vector<Setting> storage_settings() {
               "Sessions of a robot; more are answered 429"),
       integer("session_idle_minutes", &ServerConfig::session_idle_minutes, {1, 1'000'000},
               "A session leaves memory after this time without a batch"),
+      integer("checkpoint_interval_s", &ServerConfig::checkpoint_interval_s, {0, 3600},
+              "Sessions are stored so often; 0: each batch before its answer"),
       integer("session_stale_s", &ServerConfig::session_stale_s, {1, 31'536'000},
               "A session without a batch for longer is stale"),
       integer("recorded_answers", &ServerConfig::recorded_answers,

@@ -1,6 +1,7 @@
 #include "storage/session_store.hpp"
 
 #include <cassert>
+#include <deque>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -18,20 +19,30 @@ struct StoredScan {
 };
 using StoredScans = std::unordered_map<std::uint64_t, StoredScan>;  ///< By index.
 
+/// Submap scans that differ from what is stored.
+struct SubmapChanges {
+  std::vector<SubmapScanRow> changed;
+  std::vector<SubmapScanRowKey> vanished;
+
+  void write(SessionTables& sessions) const {
+    sessions.put_scans(changed);
+    sessions.remove_scans(vanished);
+  }
+};
+
 namespace {
 
 Error unknown_session(std::string_view id) {
   return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
 }
 
-/// Makes the stored submap scans those of `submap`, writing only what differs. `stored` is what is
+/// Adds to `changes` what makes the stored submap scans those of `submap`. `stored` is what is
 /// there before and after; returns the names of the scans in their order.
-std::vector<SubmapScanKey> sync_submap(SessionTables& sessions, std::int64_t session,
-                                       std::span<const SubmapScan> submap, StoredScans& stored) {
+std::vector<SubmapScanKey> sync_submap(std::int64_t session, std::span<const SubmapScan> submap,
+                                       StoredScans& stored, SubmapChanges& changes) {
   std::vector<SubmapScanKey> keys;
   keys.reserve(submap.size());
   StoredScans kept;
-  std::vector<SessionTables::ScanBlob> changed;
   for (const SubmapScan& scan : submap) {
     const auto found = stored.find(scan.index);
     const bool is_known = found != stored.end() && found->second.stamp == scan.scan.stamp;
@@ -42,15 +53,12 @@ std::vector<SubmapScanKey> sync_submap(SessionTables& sessions, std::int64_t ses
       keys.push_back({scan.index, checksum_of(blob)});
       const bool is_stored =
           found != stored.end() && found->second.checksum == keys.back().checksum;
-      if (!is_stored) changed.emplace_back(scan.index, std::move(blob));
+      if (!is_stored) changes.changed.push_back({session, scan.index, std::move(blob)});
     }
     kept.emplace(scan.index, StoredScan{keys.back().checksum, scan.scan.stamp});
     if (found != stored.end()) stored.erase(found);
   }
-  std::vector<std::uint64_t> vanished;
-  for (const auto& [index, scan] : stored) vanished.push_back(index);
-  sessions.put_scans(session, changed);
-  sessions.remove_scans(session, vanished);
+  for (const auto& [index, scan] : stored) changes.vanished.push_back({session, index});
   stored = std::move(kept);
   return keys;
 }
@@ -96,9 +104,18 @@ constexpr std::size_t kMaxKnownSessions = 10'000;
 struct SessionStore::StoredSession {
   std::int64_t number = 0;
   std::uint64_t expected_sequence = 0;
+  std::uint64_t scans = 0;  ///< Of its state.
   StoredScans submap{};
   std::int64_t version = 0;           ///< As SessionTables::version() when it was last seen.
   std::uint64_t foreign_changes = 0;  ///< Raised whenever another one was seen.
+};
+
+/// What a transaction writes, and what this store then knows.
+struct SessionStore::RowsToWrite {
+  SubmapChanges submaps{};
+  std::vector<AnswerRow> answers{};
+  std::vector<StoredSession*> written{};
+  std::deque<Blob> states{};  ///< To which `answers` refer.
 };
 
 SessionStore::StoredSession& SessionStore::known(std::string_view id) {
@@ -106,23 +123,21 @@ SessionStore::StoredSession& SessionStore::known(std::string_view id) {
   return known_[std::string(id)];
 }
 
-/// As the database has it, with the stamps of the scans that this store wrote itself. In a write
-/// transaction.
-Result<SessionStore::StoredSession*> SessionStore::find_for_update(std::string_view id) {
-  const std::optional<SessionHead> head = database_->sessions().find_head(id);
-  if (!head) return unknown_session(id);
-  const Result<LocalizerStateOutline> outline = decode_localizer_state(head->state);
+/// As the database has it, with the stamps of the scans that this store wrote itself.
+Result<SessionStore::StoredSession*> SessionStore::note_head(const SessionHead& head) {
+  const Result<LocalizerStateOutline> outline = decode_localizer_state(head.state);
   if (!outline) return outline.error();
-  StoredSession& stored = known(id);
-  note_version(stored, head->version);
+  StoredSession& stored = known(head.id);
+  note_version(stored, head.version);
   StoredScans submap;
   for (const SubmapScanKey& key : outline->submap) {
     const auto found = stored.submap.find(key.index);
     const bool is_ours = found != stored.submap.end() && found->second.checksum == key.checksum;
     submap.emplace(key.index, is_ours ? found->second : StoredScan{key.checksum, {}});
   }
-  stored.number = head->number;
-  stored.expected_sequence = head->expected_sequence;
+  stored.number = head.number;
+  stored.expected_sequence = head.expected_sequence;
+  stored.scans = outline->state.scans;
   stored.submap = std::move(submap);
   return &stored;
 }
@@ -154,47 +169,91 @@ Result<void> SessionStore::insert(const SessionRecord& record) {
     SessionTables& sessions = database_->sessions();
     const std::int64_t session = sessions.insert(record, encode_localizer_state({}, {}));
     StoredScans nothing;
+    SubmapChanges changes;
     const std::vector<SubmapScanKey> submap =
-        sync_submap(sessions, session, record.state.submap, nothing);
+        sync_submap(session, record.state.submap, nothing, changes);
     const Blob state = encode_localizer_state(record.state, submap);
-    sessions.write_answer(
-        session, {.expected_sequence = record.expected_sequence,
-                  .last_answer = record.last_answer,
-                  .state = state,
-                  .last_used = record.last_used.empty() ? record.created : record.last_used,
-                  .last_batch = record.last_batch});
+    const AnswerRow row{.session = session,
+                        .expected_sequence = record.expected_sequence,
+                        .last_answer = record.last_answer,
+                        .state = state,
+                        .last_used = record.last_used.empty() ? record.created : record.last_used,
+                        .last_batch = record.last_batch};
+    changes.write(sessions);
+    sessions.write_answers(std::span(&row, 1));
     transaction->commit();
     return {};
   });
 }
 
 Result<void> SessionStore::update(std::string_view id, const SessionUpdate& update) {
-  Result<void> updated = guarded([&] { return update_in_transaction(id, update); });
-  if (!updated) known_.erase(std::string(id));  // It may be ahead of the file.
-  return updated;
+  const SessionChange change{id, update};
+  return this->update(std::span(&change, 1)).front();
 }
 
-Result<void> SessionStore::update_in_transaction(std::string_view id, const SessionUpdate& update) {
+std::vector<Result<void>> SessionStore::update(std::span<const SessionChange> changes) {
+  if (changes.empty()) return {};
+  // Before pointers into it are held.
+  if (known_.size() + changes.size() > kMaxKnownSessions) known_.clear();
+  std::vector<Result<void>> results(changes.size());
+  const Result<void> done = guarded([&]() -> Result<void> {
+    update_in_transaction(changes, results);
+    return {};
+  });
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    if (!done && results[i]) results[i] = done.error();
+    // It may be ahead of the file.
+    if (!results[i]) known_.erase(std::string(changes[i].id));
+  }
+  return results;
+}
+
+void SessionStore::update_in_transaction(std::span<const SessionChange> changes,
+                                         std::span<Result<void>> results) {
   const auto transaction = database_->begin(Access::kWrite);
-  const Result<StoredSession*> found = find_for_update(id);
+  SessionTables& sessions = database_->sessions();
+  std::vector<std::string_view> ids;
+  for (const SessionChange& change : changes) ids.push_back(change.id);
+  const std::vector<SessionHead> heads = sessions.find_heads(ids);
+  std::unordered_map<std::string_view, const SessionHead*> head_of;
+  for (const SessionHead& head : heads) head_of.emplace(head.id, &head);
+  RowsToWrite rows;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const auto head = head_of.find(changes[i].id);
+    results[i] = add_rows(changes[i], head == head_of.end() ? nullptr : head->second, rows);
+  }
+  if (rows.answers.empty()) return;
+  rows.submaps.write(sessions);
+  sessions.write_answers(rows.answers);
+  transaction->commit();
+  for (StoredSession* stored : rows.written) ++stored->version;
+}
+
+Result<void> SessionStore::add_rows(const SessionChange& change, const SessionHead* head,
+                                    RowsToWrite& rows) {
+  if (head == nullptr) return unknown_session(change.id);
+  const Result<StoredSession*> found = note_head(*head);
   if (!found) return found.error();
   StoredSession& stored = **found;
+  const SessionUpdate& update = change.update;
   if (stored.expected_sequence != update.previous_sequence) {
     return Error{ErrorCode::kConflict,
                  "the session expects sequence " + std::to_string(stored.expected_sequence) +
                      ", not " + std::to_string(update.previous_sequence),
                  "sequence"};
   }
+  if (update.previous_scans && *update.previous_scans != stored.scans)
+    return Error{ErrorCode::kConflict, "the session was changed by another server", "sequence"};
   const std::vector<SubmapScanKey> submap =
-      sync_submap(database_->sessions(), stored.number, update.state->submap, stored.submap);
-  const Blob state = encode_localizer_state(*update.state, submap);
-  database_->sessions().write_answer(stored.number, {.expected_sequence = update.expected_sequence,
-                                                     .last_answer = update.last_answer,
-                                                     .state = state,
-                                                     .last_used = update.now,
-                                                     .last_batch = update.last_batch});
-  transaction->commit();
-  ++stored.version;
+      sync_submap(stored.number, update.state->submap, stored.submap, rows.submaps);
+  rows.states.push_back(encode_localizer_state(*update.state, submap));
+  rows.answers.push_back({.session = stored.number,
+                          .expected_sequence = update.expected_sequence,
+                          .last_answer = update.last_answer,
+                          .state = rows.states.back(),
+                          .last_used = update.now,
+                          .last_batch = update.last_batch});
+  rows.written.push_back(&stored);
   stored.expected_sequence = update.expected_sequence;
   return {};
 }

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -20,6 +21,7 @@
 namespace cornerfix::storage {
 
 class Database;
+struct SessionHead;
 
 struct SessionRecord {
   std::string id;
@@ -58,6 +60,15 @@ struct SessionUpdate {
                                           ///< written; those no longer there go.
   std::string_view now{};                 ///< As `created`.
   std::uint64_t last_batch = 0;           ///< Digest of the batch; 0: not known.
+  /// `scans` of the stored state, else kConflict; nothing: not compared. A reset keeps the sequence
+  /// and zeroes this.
+  std::optional<std::uint64_t> previous_scans{};
+};
+
+/// What changes of one session.
+struct SessionChange {
+  std::string_view id;
+  SessionUpdate update;
 };
 
 class SessionStore {
@@ -69,7 +80,10 @@ class SessionStore {
   [[nodiscard]] Result<void> insert(const SessionRecord& record);
   [[nodiscard]] Result<void> update(std::string_view id,
                                     const SessionUpdate& update);  ///< kNotFound.
-  [[nodiscard]] Result<void> remove(std::string_view id);          ///< kNotFound.
+  /// Several sessions in one transaction, each named once: the results in their order. One that
+  /// cannot be changed does not keep the others from it; a transaction that fails fails for all.
+  [[nodiscard]] std::vector<Result<void>> update(std::span<const SessionChange> changes);
+  [[nodiscard]] Result<void> remove(std::string_view id);  ///< kNotFound.
   [[nodiscard]] Result<std::optional<SessionRecord>> find(std::string_view id);
   /// By creation. Their states have no submaps.
   [[nodiscard]] Result<std::vector<SessionRecord>> list(const SessionPage& page);
@@ -87,10 +101,14 @@ class SessionStore {
 
  private:
   struct StoredSession;
+  struct RowsToWrite;
 
-  [[nodiscard]] Result<void> update_in_transaction(std::string_view id,
-                                                   const SessionUpdate& update);
-  [[nodiscard]] Result<StoredSession*> find_for_update(std::string_view id);
+  void update_in_transaction(std::span<const SessionChange> changes,
+                             std::span<Result<void>> results);
+  /// Adds to `rows` what differs from the database.
+  [[nodiscard]] Result<void> add_rows(const SessionChange& change, const SessionHead* head,
+                                      RowsToWrite& rows);
+  [[nodiscard]] Result<StoredSession*> note_head(const SessionHead& head);
   [[nodiscard]] StoredSession& known(std::string_view id);
   void note_version(StoredSession& stored, std::int64_t version);
 

@@ -24,6 +24,7 @@ struct SessionRow {
 
 /// What a batch needs of a session's row.
 struct SessionHead {
+  std::string id;
   std::int64_t number = 0;
   std::uint64_t expected_sequence = 0;
   std::int64_t version = 0;  ///< As SessionTables::version().
@@ -31,11 +32,23 @@ struct SessionHead {
 };
 
 struct AnswerRow {
+  std::int64_t session = 0;
   std::uint64_t expected_sequence = 0;
   std::string_view last_answer;
   BlobView state;
   std::string_view last_used;
   std::uint64_t last_batch = 0;
+};
+
+struct SubmapScanRow {
+  std::int64_t session = 0;
+  std::uint64_t index = 0;
+  Blob scan;
+};
+
+struct SubmapScanRowKey {
+  std::int64_t session = 0;
+  std::uint64_t index = 0;
 };
 
 class SessionTables {
@@ -47,15 +60,16 @@ class SessionTables {
 
   virtual std::optional<SessionRow> find(std::string_view id) = 0;
   virtual std::vector<SessionRow> list(const SessionPage& page) = 0;
-  /// In a transaction that writes: other writers of the session wait for its end.
-  virtual std::optional<SessionHead> find_head(std::string_view id) = 0;
+  /// Of those that are there, in any order. In a transaction that writes: other writers of these
+  /// sessions wait for its end.
+  virtual std::vector<SessionHead> find_heads(std::span<const std::string_view> ids) = 0;
   /// A number that every write of the session raises; 0 when there is no such session. Nothing
   /// where Database::data_version() counts sessions.
   virtual std::optional<std::int64_t> version(std::string_view id) = 0;
 
   /// Returns the new number; a record that has one keeps it.
   virtual std::int64_t insert(const SessionRecord& record, BlobView state) = 0;
-  virtual void write_answer(std::int64_t session, const AnswerRow& row) = 0;
+  virtual void write_answers(std::span<const AnswerRow> rows) = 0;
   virtual bool remove(std::string_view id) = 0;
   virtual std::size_t remove_unused_since(std::string_view time) = 0;
   virtual std::size_t count() = 0;
@@ -66,8 +80,8 @@ class SessionTables {
   using ScanBlob = std::pair<std::uint64_t, Blob>;  ///< Its index, and the scan.
   virtual std::vector<ScanBlob> scans(std::int64_t session) = 0;
   /// In place of those that have the same index.
-  virtual void put_scans(std::int64_t session, std::span<const ScanBlob> scans) = 0;
-  virtual void remove_scans(std::int64_t session, std::span<const std::uint64_t> indices) = 0;
+  virtual void put_scans(std::span<const SubmapScanRow> scans) = 0;
+  virtual void remove_scans(std::span<const SubmapScanRowKey> scans) = 0;
 };
 
 }  // namespace cornerfix::storage

@@ -74,7 +74,7 @@ Reason = Literal[
 MAX_SCANS_PER_BATCH = 100  # `max_scans` of the server's default configuration.
 CLOCK_SET_BACK_S = 2.0  # Stamps that go back further begin a new run (docs/logs.md).
 LIDAR_SILENT_S = 0.5  # A lidar that is this far behind the others is not waited for.
-_RETRIED = (408, 429, 503)
+_RETRIED = (408, 429, 502, 503, 504)  # 502 and 504: a proxy lost the server.
 _MAX_BACKOFF_S = 5.0
 
 
@@ -422,7 +422,7 @@ class _Reply:
 class Client:
     """Calls of one server over a connection that stays open.
 
-    A call is repeated with backoff while the server is away or answers 408, 429 or 503, as long as
+    A call is repeated with backoff while the server is away or the answer is 408, 429, 502, 503 or 504, as long as
     `Retry-After` asks for, and for `give_up_after_s` at most. All calls may be repeated: the server
     recognizes scans and batches that it has. A session whose answer was lost is left behind and
     expires.

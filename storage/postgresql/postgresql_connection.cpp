@@ -20,8 +20,10 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kDefaults = {{
     {"application_name", "cornerfix"},
 }};
 
-/// A replica that was cut off within a transaction holds its locks no longer than this.
+/// A replica that was cut off within a transaction holds its locks no longer than this. A robot
+/// waits for that of its session, so it ends before a proxy has found another replica.
 constexpr int kMaxPauseInTransactionMs = 10'000;
+constexpr int kMaxPauseOfSessionsMs = 2'000;
 
 Options parse(const std::string& url) {
   return {PQconninfoParse(url.c_str(), nullptr), &PQconninfoFree};
@@ -82,13 +84,14 @@ Result<std::string> location_of(const std::string& url) {
 
 PostgresqlConnection::PostgresqlConnection(const PostgresqlTarget& target)
     : connection_(nullptr, &PQfinish) {
+  const bool is_for_sessions = target.synchronous == Synchronous::kNormal;
   begin_reading_ = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
-  begin_writing_ = "BEGIN ISOLATION LEVEL READ COMMITTED READ WRITE; SET LOCAL lock_timeout = " +
-                   std::to_string(std::max(1, target.busy_timeout_ms)) +
-                   "; SET LOCAL idle_in_transaction_session_timeout = " +
-                   std::to_string(kMaxPauseInTransactionMs);
-  if (target.synchronous == Synchronous::kNormal)
-    begin_writing_ += "; SET LOCAL synchronous_commit = off";
+  begin_writing_ =
+      "BEGIN ISOLATION LEVEL READ COMMITTED READ WRITE; SET LOCAL lock_timeout = " +
+      std::to_string(std::max(1, target.busy_timeout_ms)) +
+      "; SET LOCAL idle_in_transaction_session_timeout = " +
+      std::to_string(is_for_sessions ? kMaxPauseOfSessionsMs : kMaxPauseInTransactionMs);
+  if (is_for_sessions) begin_writing_ += "; SET LOCAL synchronous_commit = off";
   const Options options = parse(target.url);
   // A URL in "dbname" is expanded; what stands after it has precedence.
   std::vector<const char*> keywords = {"dbname", "client_encoding"};

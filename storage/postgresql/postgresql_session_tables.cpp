@@ -30,6 +30,15 @@ SessionRow read_session(const PostgresqlRows& rows, int row) {
   return session;
 }
 
+/// One member of each row, for a parameter that is an array.
+template <typename Row, typename Value>
+std::vector<Value> column(std::span<const Row> rows, Value Row::*member) {
+  std::vector<Value> values;
+  values.reserve(rows.size());
+  for (const Row& row : rows) values.push_back(row.*member);
+  return values;
+}
+
 class PostgresqlSessionTables : public SessionTables {
  public:
   explicit PostgresqlSessionTables(PostgresqlConnection& connection) : connection_(connection) {}
@@ -49,15 +58,21 @@ class PostgresqlSessionTables : public SessionTables {
         connection_.execute(sql.c_str(), page.after, page.robot, std::min(page.limit, kMost)));
   }
 
-  std::optional<SessionHead> find_head(std::string_view id) override {
+  std::vector<SessionHead> find_heads(std::span<const std::string_view> ids) override {
+    // Locked in one order, so that no two servers wait for each other.
     const PostgresqlRows rows = connection_.execute(
-        "SELECT number, expected_sequence, version, state FROM sessions WHERE id = $1 FOR UPDATE",
-        id);
-    if (rows.empty()) return std::nullopt;
-    return SessionHead{.number = rows.integer(0, 0),
-                       .expected_sequence = rows.number(0, 1),
-                       .version = rows.integer(0, 2),
-                       .state = rows.copy(0, 3)};
+        "SELECT id, number, expected_sequence, version, state FROM sessions WHERE id = ANY ($1) "
+        "ORDER BY number FOR UPDATE",
+        ids);
+    std::vector<SessionHead> heads;
+    for (int row = 0; row < rows.size(); ++row) {
+      heads.push_back({.id = rows.text(row, 0),
+                       .number = rows.integer(row, 1),
+                       .expected_sequence = rows.number(row, 2),
+                       .version = rows.integer(row, 3),
+                       .state = rows.copy(row, 4)});
+    }
+    return heads;
   }
 
   std::optional<std::int64_t> version(std::string_view id) override {
@@ -83,11 +98,17 @@ class PostgresqlSessionTables : public SessionTables {
     return session;
   }
 
-  void write_answer(std::int64_t session, const AnswerRow& row) override {
+  void write_answers(std::span<const AnswerRow> rows) override {
     (void)connection_.execute(
-        "UPDATE sessions SET expected_sequence = $1, last_answer = $2, state = $3, "
-        "last_used = $4, last_batch = $5, version = version + 1 WHERE number = $6",
-        row.expected_sequence, row.last_answer, row.state, row.last_used, row.last_batch, session);
+        "UPDATE sessions SET expected_sequence = given.expected_sequence, "
+        "last_answer = given.last_answer, state = given.state, last_used = given.last_used, "
+        "last_batch = given.last_batch, version = version + 1 "
+        "FROM unnest($1, $2, $3, $4, $5, $6) AS given "
+        "(number, expected_sequence, last_answer, state, last_used, last_batch) "
+        "WHERE sessions.number = given.number",
+        column(rows, &AnswerRow::session), column(rows, &AnswerRow::expected_sequence),
+        column(rows, &AnswerRow::last_answer), column(rows, &AnswerRow::state),
+        column(rows, &AnswerRow::last_used), column(rows, &AnswerRow::last_batch));
   }
 
   bool remove(std::string_view id) override {
@@ -131,25 +152,25 @@ class PostgresqlSessionTables : public SessionTables {
     return scans;
   }
 
-  void put_scans(std::int64_t session, std::span<const ScanBlob> scans) override {
+  void put_scans(std::span<const SubmapScanRow> scans) override {
     if (scans.empty()) return;
-    std::vector<std::uint64_t> indices;
     std::vector<BlobView> blobs;
-    for (const auto& [index, scan] : scans) {
-      indices.push_back(index);
-      blobs.emplace_back(scan);
-    }
+    for (const SubmapScanRow& row : scans) blobs.emplace_back(row.scan);
     (void)connection_.execute(
         "INSERT INTO submap_scans (session, scan_index, scan) "
-        "SELECT $1, given.scan_index, given.scan FROM unnest($2, $3) AS given (scan_index, scan) "
+        "SELECT given.session, given.scan_index, given.scan "
+        "FROM unnest($1, $2, $3) AS given (session, scan_index, scan) "
         "ON CONFLICT (session, scan_index) DO UPDATE SET scan = excluded.scan",
-        session, std::span<const std::uint64_t>(indices), std::span<const BlobView>(blobs));
+        column(scans, &SubmapScanRow::session), column(scans, &SubmapScanRow::index), blobs);
   }
 
-  void remove_scans(std::int64_t session, std::span<const std::uint64_t> indices) override {
-    if (indices.empty()) return;
+  void remove_scans(std::span<const SubmapScanRowKey> scans) override {
+    if (scans.empty()) return;
     (void)connection_.execute(
-        "DELETE FROM submap_scans WHERE session = $1 AND scan_index = ANY ($2)", session, indices);
+        "DELETE FROM submap_scans USING unnest($1, $2) AS given (session, scan_index) "
+        "WHERE submap_scans.session = given.session "
+        "AND submap_scans.scan_index = given.scan_index",
+        column(scans, &SubmapScanRowKey::session), column(scans, &SubmapScanRowKey::index));
   }
 
  private:

@@ -17,6 +17,7 @@ constexpr Oid kFloat8 = 701;
 constexpr Oid kInt8Array = 1016;
 constexpr Oid kFloat8Array = 1022;
 constexpr Oid kByteaArray = 1001;
+constexpr Oid kTextArray = 1009;
 
 template <std::unsigned_integral T>
 void append_big_endian(std::string& bytes, T value) {
@@ -56,6 +57,18 @@ PostgresqlValue array_of_numbers(Oid array, Oid element, std::span<const T> valu
   return value;
 }
 
+std::string_view characters(std::string_view text) { return text; }
+
+template <typename T>
+PostgresqlValue array_of_strings(Oid array, Oid element, std::span<const T> values) {
+  PostgresqlValue value{.type = array, .own = array_head(element, values.size())};
+  for (const T each : values) {
+    append_big_endian(value.own, static_cast<std::uint32_t>(each.size()));
+    value.own += characters(each);
+  }
+  return value;
+}
+
 }  // namespace
 
 PostgresqlValue value_of(std::int64_t value) {
@@ -90,12 +103,11 @@ PostgresqlValue value_of(std::span<const std::int64_t> values) {
 }
 
 PostgresqlValue value_of(std::span<const BlobView> values) {
-  PostgresqlValue value{.type = kByteaArray, .own = array_head(kBytea, values.size())};
-  for (const BlobView blob : values) {
-    append_big_endian(value.own, static_cast<std::uint32_t>(blob.size()));
-    value.own += characters(blob);
-  }
-  return value;
+  return array_of_strings(kByteaArray, kBytea, values);
+}
+
+PostgresqlValue value_of(std::span<const std::string_view> values) {
+  return array_of_strings(kTextArray, kText, values);
 }
 
 std::size_t PostgresqlRows::changed() const {

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "storage/blob_codec.hpp"
 
@@ -36,6 +37,11 @@ struct PostgresqlValue {
 [[nodiscard]] PostgresqlValue value_of(std::span<const std::uint64_t> values);
 [[nodiscard]] PostgresqlValue value_of(std::span<const std::int64_t> values);
 [[nodiscard]] PostgresqlValue value_of(std::span<const BlobView> values);
+[[nodiscard]] PostgresqlValue value_of(std::span<const std::string_view> values);
+template <typename T>
+[[nodiscard]] PostgresqlValue value_of(const std::vector<T>& values) {
+  return value_of(std::span<const T>(values));
+}
 
 /// What a statement returned. Views of it live as long as it does.
 class PostgresqlRows {

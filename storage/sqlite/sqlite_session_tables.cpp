@@ -30,13 +30,18 @@ class SqliteSessionTables : public SessionTables {
     return rows;
   }
 
-  std::optional<SessionHead> find_head(std::string_view id) override {
+  std::vector<SessionHead> find_heads(std::span<const std::string_view> ids) override {
     Statement row(database_, "SELECT number, expected_sequence, state FROM sessions WHERE id = ?");
-    if (!row.bind(id).step()) return std::nullopt;
-    const BlobView state = row.blob(2);
-    return SessionHead{.number = row.integer(0),
+    std::vector<SessionHead> heads;
+    for (const std::string_view id : ids) {
+      if (!row.bind(id).step()) continue;
+      const BlobView state = row.blob(2);
+      heads.push_back({.id = std::string(id),
+                       .number = row.integer(0),
                        .expected_sequence = row.number(1),
-                       .state = Blob(state.begin(), state.end())};
+                       .state = Blob(state.begin(), state.end())});
+    }
+    return heads;
   }
 
   std::optional<std::int64_t> version(std::string_view) override { return std::nullopt; }
@@ -58,13 +63,16 @@ class SqliteSessionTables : public SessionTables {
     return session;
   }
 
-  void write_answer(std::int64_t session, const AnswerRow& row) override {
-    Statement(database_,
-              "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, "
-              "last_used = ?, last_batch = ? WHERE number = ?")
-        .bind(row.expected_sequence, row.last_answer, row.state, row.last_used, row.last_batch,
-              session)
-        .run();
+  void write_answers(std::span<const AnswerRow> rows) override {
+    Statement update(database_,
+                     "UPDATE sessions SET expected_sequence = ?, last_answer = ?, state = ?, "
+                     "last_used = ?, last_batch = ? WHERE number = ?");
+    for (const AnswerRow& row : rows) {
+      update
+          .bind(row.expected_sequence, row.last_answer, row.state, row.last_used, row.last_batch,
+                row.session)
+          .run();
+    }
   }
 
   bool remove(std::string_view id) override {
@@ -110,16 +118,17 @@ class SqliteSessionTables : public SessionTables {
     return scans;
   }
 
-  void put_scans(std::int64_t session, std::span<const ScanBlob> scans) override {
+  void put_scans(std::span<const SubmapScanRow> scans) override {
     Statement upsert(database_,
                      "INSERT OR REPLACE INTO submap_scans (session, scan_index, scan) "
                      "VALUES (?, ?, ?)");
-    for (const auto& [index, scan] : scans) upsert.bind(session, index, BlobView(scan)).run();
+    for (const SubmapScanRow& row : scans)
+      upsert.bind(row.session, row.index, BlobView(row.scan)).run();
   }
 
-  void remove_scans(std::int64_t session, std::span<const std::uint64_t> indices) override {
+  void remove_scans(std::span<const SubmapScanRowKey> scans) override {
     Statement vanish(database_, "DELETE FROM submap_scans WHERE session = ? AND scan_index = ?");
-    for (const std::uint64_t index : indices) vanish.bind(session, index).run();
+    for (const SubmapScanRowKey& key : scans) vanish.bind(key.session, key.index).run();
   }
 
  private:

@@ -62,3 +62,16 @@ class RealServer:
         with self._process:
             self._process.terminate()
         return self._process.returncode
+
+    def pause(self):
+        """As a server that was cut off: connections stay open, and nothing is answered."""
+        self._process.send_signal(signal.SIGSTOP)
+
+    def go_on(self):
+        self._process.send_signal(signal.SIGCONT)
+
+    def cpu_s(self):
+        """Processor time so far."""
+        with open(f"/proc/{self._process.pid}/stat", encoding="ascii") as stat:
+            fields = stat.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

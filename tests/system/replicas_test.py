@@ -4,43 +4,17 @@ other's maps, and go on when the database was away. Exits with 77 where PostgreS
 import argparse
 import os
 import pathlib
-import shutil
-import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
-from real_server import CLIENT, SHORT_SIGHTED, SOURCE, WILLOW, RealServer, record_run, run, skip
+from real_server import CLIENT, SHORT_SIGHTED, WILLOW, RealServer, record_run, run, skip
+from replicas import NOT_INSTALLED, HaProxy, Postgresql
 
 sys.path.insert(0, str(CLIENT))
 from cornerfix import Client, Problem, Robot, read_log  # noqa: E402
-
-NOT_INSTALLED = 77
-
-
-class Postgresql:
-    """On a Unix socket in a directory. It ends with this process at the latest."""
-
-    def __init__(self, directory):
-        self._directory = str(directory)
-        self._databases = 0
-
-    def control(self, action, *arguments):
-        script = SOURCE / "tests" / "support" / "postgresql.sh"
-        return subprocess.run(["bash", script, action, self._directory, *arguments]).returncode
-
-    def start(self):
-        return self.control("start", str(os.getpid()))
-
-    def new_database(self):
-        """The URL of an empty one: a schema of its own."""
-        self._databases += 1
-        url = f"postgresql:///postgres?host={self._directory}&user=cornerfix"
-        schema = f"test{self._databases}"
-        run("psql", "--quiet", url, "--command", f"CREATE SCHEMA {schema}")
-        return f"{url}&options=-csearch_path%3D{schema}"
 
 
 class ReplicasTest(unittest.TestCase):
@@ -160,26 +134,13 @@ class ReplicasTest(unittest.TestCase):
             self.assert_as_alone(mine)
 
     def start_haproxy(self):
-        """The deployed configuration before these two servers; the URL of a free port."""
-        program = shutil.which("haproxy")
-        if not program:
+        """The URL of a proxy before the two servers."""
+        if not HaProxy.program():
             self.assertNotIn("CORNERFIX_REQUIRE_TOOLS", os.environ, "haproxy is not installed")
             self.skipTest("haproxy is not installed")
-        listener = socket.create_server(("127.0.0.1", 0))
-        self.addCleanup(listener.close)
-        text = (SOURCE / "deploy/haproxy/haproxy.cfg").read_text()
-        text = text.replace("maxconn 20000", "maxconn 100")  # More need more descriptors.
-        text = text.replace("bind :8080", f"bind fd@{listener.fileno()}")
-        for name, server in (("replica1", self.first), ("replica2", self.second)):
-            address = server.url.removeprefix("http://")
-            text = text.replace(f"server {name} {name}:8080", f"server {name} {address}")
-        text = text.replace("    server replica3 replica3:8080\n", "")
-        file = self.directory / "haproxy.cfg"
-        file.write_text(text)
-        process = subprocess.Popen([program, "-db", "-f", file], pass_fds=[listener.fileno()])
-        self.addCleanup(process.wait)
-        self.addCleanup(process.terminate)
-        return "http://127.0.0.1:%d" % listener.getsockname()[1]
+        proxy = HaProxy(self.directory, [self.first, self.second])
+        self.addCleanup(proxy.stop)
+        return proxy.url
 
     def test_a_copy_goes_back_into_a_file(self):
         back = self.directory / "back.db"

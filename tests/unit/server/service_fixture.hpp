@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -26,6 +27,7 @@ struct SessionLimits {
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
   NowText stale_before{};
   std::size_t max_all = 100;
+  std::chrono::milliseconds checkpoint_interval{0};
 };
 
 /// What one process would hold. Several may share a file.
@@ -53,7 +55,8 @@ struct Process {
                       .max_sessions_per_robot = session_limits.max_per_robot,
                       .max_searched_map_bytes = session_limits.max_searched_map_bytes,
                       .expired_before = session_limits.expired_before,
-                      .stale_before = session_limits.stale_before}) {}
+                      .stale_before = session_limits.stale_before,
+                      .checkpoint_interval = session_limits.checkpoint_interval}) {}
 
   /// Enough to distinguish answers.
   static std::string render(const AnswerToRender& answer) {

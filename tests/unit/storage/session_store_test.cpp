@@ -135,6 +135,40 @@ TEST_P(SessionStoreTest, RefusesAnUpdateFromAnotherSequenceAndChangesNothing) {
   EXPECT_TRUE(is_same(store_.find("s1").value().value(), session));
 }
 
+TEST_P(SessionStoreTest, StoresSeveralSessionsTogetherButForThoseThatItRefuses) {
+  for (const char* id : {"s1", "s2", "s3"})
+    ASSERT_TRUE(store_.insert(record(id, sample_state(0, 2, 0))));
+  const LocalizerState state = sample_state(1, 4, 3);
+  const SessionUpdate next{.expected_sequence = 1, .last_answer = "a", .state = &state};
+  SessionUpdate late = next;
+  late.previous_sequence = 7;
+  const std::vector<SessionChange> changes = {
+      {"s3", next}, {"s2", late}, {"nobody", next}, {"s1", next}};
+  const std::vector<Result<void>> results = store_.update(changes);
+  ASSERT_EQ(results.size(), 4U);
+  EXPECT_TRUE(results[0]);
+  EXPECT_EQ(results[1].error().code, ErrorCode::kConflict);
+  EXPECT_EQ(results[2].error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(results[3]);
+  for (const char* id : {"s1", "s3"}) {
+    EXPECT_EQ(store_.find(id).value()->expected_sequence, 1U);
+    EXPECT_TRUE(is_same(store_.find(id).value()->state, state));
+  }
+  EXPECT_TRUE(is_same(store_.find("s2").value()->state, sample_state(0, 2, 0)));
+}
+
+TEST_P(SessionStoreTest, RefusesAnUpdateWhoseSessionWasResetMeanwhile) {
+  ASSERT_TRUE(store_.insert(record("s1", sample_state(0, 2, 0))));
+  const LocalizerState forgotten;
+  ASSERT_TRUE(store_.update("s1", {.last_answer = "a", .state = &forgotten}));
+  const LocalizerState state = sample_state(1, 4, 3);
+  const std::uint64_t scans = sample_state(0, 2, 0).scans;
+  ASSERT_NE(scans, 0U);
+  const SessionUpdate next{
+      .expected_sequence = 1, .last_answer = "a", .state = &state, .previous_scans = scans};
+  EXPECT_EQ(store_.update("s1", next).error().code, ErrorCode::kConflict);
+}
+
 TEST_P(SessionStoreTest, RefusesAnUpdateOfAnUnknownSession) {
   EXPECT_EQ(advance(LocalizerState{}).error().code, ErrorCode::kNotFound);
 }
