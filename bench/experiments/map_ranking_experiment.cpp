@@ -33,8 +33,8 @@ struct RankingArguments {
   std::filesystem::path out = ".";
 };
 
-/// A histogram of the pairs of corners of a place, as a global descriptor: cosine similarity of
-/// counts that are weighted by how rare a class of pairs is among the maps.
+/// A histogram of the pairs of corners of a place, as a global descriptor. Compared by the cosine
+/// similarity of counts, weighted by how rare a class of pairs is among the maps.
 class GlobalDescriptors {
  public:
   void put(MapKey key, const MapSketch& sketch) {

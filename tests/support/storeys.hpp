@@ -46,7 +46,7 @@ class StoreyPlanner {
     return low + (high - low) * 0x1p-53 * static_cast<double>(random_() >> 11U);
   }
 
-  /// Rooms between two walls along x, one of which is that of the corridor.
+  /// Rooms between two walls along x; `corridor` is the one with doors.
   void add_rooms(double low, double high, double corridor) {
     constexpr double kWidest = 8.0;
     for (double left = 0.0; left < kStoreySize.x();) {

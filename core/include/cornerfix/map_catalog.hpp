@@ -1,7 +1,7 @@
 /// \file  Ranks thousands of maps by what a robot saw, without loading any.
 ///
 /// An inverted file over pairs of corners. The distance of two corners and the directions of their
-/// bisectors do not depend on the pose of the robot, so pairs seen are looked up among the pairs of
+/// bisectors do not depend on the pose of the robot. So pairs seen are looked up among the pairs of
 /// all maps. Each match gives a pose in one map. The pose is judged by the hits in the sketch of
 /// that map, and a map is ranked by its best pose. Among few maps, single corners give poses too.
 #pragma once
