@@ -142,6 +142,7 @@ Json render_answer(const Answer& answer, const AnswerOrigin& origin) {
   json["local"] = {{"scans", answer.local_scans},
                    {"features", answer.local_features},
                    {"pose", pose_json(answer.T_submap_base_link)}};
+  if (answer.searched_maps > 1) json["searched_maps"] = answer.searched_maps;
   json["timing_ms"] = render_times(answer.times);
   return json;
 }

@@ -59,7 +59,7 @@ set(higher_layers base scan features map matching local_map acceptance search tr
 set(headers_of_scan corners laser_scan ray_caster)
 set(headers_of_features descriptor)
 set(headers_of_map map_image mapper)
-set(headers_of_search localization_map)
+set(headers_of_search localization_map map_sketch map_catalog map_source)
 set(headers_of_localizer localizer)
 set(headers_of_slam slam)
 set(headers_of_assessment localizability cornerfix)

@@ -14,12 +14,13 @@
 namespace cornerfix::bench {
 
 // Parsing a command line runs its experiment, which writes its tables as CSV into a folder.
-void add_corners_experiment(CLI::App& app);    ///< Section 4.2, tables 1-3, figure 7.
-void add_matching_experiment(CLI::App& app);   ///< Section 4.3, figure 8.
-void add_worlds_experiment(CLI::App& app);     ///< Section 4.4, figures 9-11.
-void add_robots_experiment(CLI::App& app);     ///< Section 4.5, figure 12, tables 4-5.
-void add_tracking_experiment(CLI::App& app);   ///< What following a robot costs.
-void add_many_maps_experiment(CLI::App& app);  ///< A robot without a given map.
+void add_corners_experiment(CLI::App& app);      ///< Section 4.2, tables 1-3, figure 7.
+void add_matching_experiment(CLI::App& app);     ///< Section 4.3, figure 8.
+void add_worlds_experiment(CLI::App& app);       ///< Section 4.4, figures 9-11.
+void add_robots_experiment(CLI::App& app);       ///< Section 4.5, figure 12, tables 4-5.
+void add_tracking_experiment(CLI::App& app);     ///< What following a robot costs.
+void add_many_maps_experiment(CLI::App& app);    ///< A robot without a given map.
+void add_map_ranking_experiment(CLI::App& app);  ///< How maps are ranked before they are searched.
 
 /// The folder for the tables: an option that all experiments have.
 inline void add_out_option(CLI::App& command, std::filesystem::path& out) {

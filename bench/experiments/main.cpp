@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   cornerfix::bench::add_robots_experiment(app);
   cornerfix::bench::add_tracking_experiment(app);
   cornerfix::bench::add_many_maps_experiment(app);
+  cornerfix::bench::add_map_ranking_experiment(app);
   app.add_subcommand("methods", "Names of the methods that this build can compare")->callback([] {
     for (const std::string& name : cornerfix::bench::contestant_names())
       std::printf("%s\n", name.c_str());

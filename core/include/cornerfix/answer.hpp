@@ -155,7 +155,9 @@ struct Answer {
   Withdrawal withdrawal = Withdrawal::kNone;  ///< Of a pose, at this scan.
   /// The probability is conditional on the start region: only poses there were compared.
   bool is_given_region = false;
-  bool searched = false;     ///< Whether this scan made it look at all places of all maps.
+  bool searched = false;  ///< Whether this scan made it look at all places of all maps.
+  /// Maps that were considered: searched, or ranked and found worse than those searched.
+  std::size_t searched_maps = 0;
   int local_scans = 0;       ///< Scans in the submap.
   int local_features = 0;    ///< Features of the submap.
   Pose2 T_submap_base_link;  ///< Pose at the last scan in the submap.

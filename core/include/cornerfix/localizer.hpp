@@ -6,12 +6,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <cornerfix/answer.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/localizer_params.hpp>
+#include <cornerfix/map_source.hpp>
 
 namespace cornerfix {
 
@@ -55,6 +57,12 @@ class Localizer {
   /// `maps` are searched together; the order carries no meaning but must be that of a restored
   /// state.
   Localizer(std::vector<LocalizationMapPtr> maps, LocalizerParams params, Clock clock = {});
+  /// Maps come from a source when there are too many to hold: those where the robot may be, by what
+  /// it saw, are loaded and searched. Each map that may hold the robot and could not be searched
+  /// counts as a rival as good as the best pose, so that no pose is accepted beside it.
+  /// \param held  Maps to begin with, in the order of a restored state; others may join and leave.
+  Localizer(std::shared_ptr<MapSource> source, std::span<const MapKey> held, LocalizerParams params,
+            Clock clock = {});
   ~Localizer();
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
@@ -70,7 +78,8 @@ class Localizer {
   /// The region while it restricts the search.
   [[nodiscard]] const std::optional<StartRegion>& region() const;
 
-  /// Newer revisions of the same maps, in the same order; the pose and the submap are kept.
+  /// Newer revisions of the same maps, for a localizer without a source, in the same order; the
+  /// pose and the submap are kept.
   void replace_maps(std::vector<LocalizationMapPtr> maps);
 
   [[nodiscard]] LocalizerState state() const;
@@ -78,6 +87,8 @@ class Localizer {
 
   [[nodiscard]] std::optional<double> last_stamp() const;
   [[nodiscard]] const std::vector<LocalizationMapPtr>& maps() const;
+  /// Of maps(), in the same order, for a localizer with a source.
+  [[nodiscard]] const std::vector<MapKey>& map_keys() const;
   /// Features of the submap in the frame of base_link at the last scan, for drawing.
   [[nodiscard]] std::vector<Point2> local_features_base_link() const;
 

@@ -63,6 +63,7 @@ Answer Localizer::Impl::answer(const StepTimes& times) const {
   answer.terms = terms;
   answer.is_given_region = region.has_value();
   answer.searched = searched;
+  answer.searched_maps = source ? source->size() : maps.size();
   answer.reason = answer.status == Status::kLocalized ? Reason::kNone : reason;
   if (is_doubted && accepted) answer.reason = Reason::kContradicted;
   if (answer.reason == Reason::kContradicted && answer.odometry == OdometryUse::kIgnored)
@@ -94,6 +95,18 @@ RankedHypothesis Localizer::Impl::ranked(const Candidate& candidate) const {
 
 Localizer::Localizer(std::vector<LocalizationMapPtr> maps, LocalizerParams params, Clock clock)
     : impl_(std::make_unique<Impl>(std::move(maps), params, std::move(clock))) {}
+Localizer::Localizer(std::shared_ptr<MapSource> source, std::span<const MapKey> held,
+                     LocalizerParams params, Clock clock)
+    : Localizer(std::vector<LocalizationMapPtr>(), params, std::move(clock)) {
+  for (const MapKey key : held) {
+    LocalizationMapPtr map = source->load(key);
+    if (!map) continue;
+    impl_->selection.keys.push_back(key);
+    impl_->selection.maps.push_back(std::move(map));
+  }
+  impl_->maps = impl_->selection.maps;
+  impl_->source = std::move(source);
+}
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
@@ -104,7 +117,11 @@ void Localizer::reset(std::optional<StartRegion> region) {
   assert(!region || !validate(*region));
   const std::uint64_t epoch = impl_->epoch;
   const OdometryMonitor odometry_monitor = impl_->odometry_monitor;
+  std::shared_ptr<MapSource> source = std::move(impl_->source);
+  MapSelection selection = std::move(impl_->selection);
   *impl_ = Impl(std::move(impl_->maps), impl_->params, std::move(impl_->clock));
+  impl_->source = std::move(source);
+  impl_->selection = std::move(selection);
   impl_->epoch = epoch;
   impl_->odometry_monitor = odometry_monitor;
   impl_->restrict_to(std::move(region));
@@ -118,6 +135,8 @@ void Localizer::replace_maps(std::vector<LocalizationMapPtr> maps) {
 }
 
 std::optional<double> Localizer::last_stamp() const { return impl_->last_stamp; }
+
+const std::vector<MapKey>& Localizer::map_keys() const { return impl_->selection.keys; }
 
 const std::vector<LocalizationMapPtr>& Localizer::maps() const { return impl_->maps; }
 

@@ -1,5 +1,6 @@
 #include "core/src/localizer/localizer_impl.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/src/search/map_index.hpp"
@@ -14,14 +15,46 @@ void Localizer::Impl::restrict_to(std::optional<StartRegion> start_region) {
 void Localizer::Impl::look_for_robot(StepTimes& times) {
   const View view = view_from(submap, T_submap_base_link);
   const double match_begin = now();
+  // A search of maps that could not be ranked gives way when they can be.
+  const bool can_rank_now =
+      !selection.is_ranked && !region && view.corners.size() >= kEnoughCorners;
+  if (source && (can_rank_now || search.is_matching_due(view))) select_from_source(view);
   search.propose(maps, view, params.seed + scans);
   times.match_ms = now() - match_begin;
 
   const double verify_begin = now();
-  search.verify(maps, view);
+  search.judge(maps, view);
+  if (source && search.is_search_due(maps, view)) select_from_source(view);
+  search.search(maps, view);
   searched = search.searched();
   decide(view);
   times.verify_ms = now() - verify_begin;
+}
+
+void Localizer::Impl::select_from_source(const View& view) {
+  if (selected_at == scans) return;
+  selected_at = scans;
+  const auto is_kept = [&](std::size_t map) {
+    return (accepted && accepted->map == map) ||
+           std::ranges::any_of(search.candidates().all(),
+                               [map](const Candidate& one) { return one.map == map; });
+  };
+  MapSelection kept;
+  std::vector<std::size_t> new_index(maps.size(), 0);
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    if (!is_kept(map)) continue;
+    new_index[map] = kept.keys.size();
+    kept.keys.push_back(selection.keys[map]);
+    kept.maps.push_back(maps[map]);
+  }
+  selection =
+      select_maps(*source, view,
+                  {.kept = std::move(kept), .region = region, .distance_m = search.distance_m()});
+  maps = selection.maps;
+  if (accepted) accepted->map = new_index[accepted->map];
+  search.use_selection({.new_index = new_index,
+                        .free_area_m2 = source->free_area_m2(),
+                        .unsearched = selection.unsearched});
 }
 
 void Localizer::Impl::decide(const View& view) {
@@ -49,6 +82,8 @@ void Localizer::Impl::decide(const View& view) {
     const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
     if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
     if (reason != Reason::kNone && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
+    if (reason == Reason::kNone && search.is_only_unsearched())
+      reason = selection.is_ranked ? Reason::kSearching : Reason::kFewFeatures;
     if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
     return;
   }

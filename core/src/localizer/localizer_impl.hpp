@@ -14,6 +14,7 @@
 #include "core/src/acceptance/new_ground.hpp"
 #include "core/src/local_map/scan_motion.hpp"
 #include "core/src/search/global_search.hpp"
+#include "core/src/search/map_selection.hpp"
 #include "core/src/tracking/odometry_monitor.hpp"
 #include "core/src/tracking/pose_tracker.hpp"
 
@@ -31,6 +32,8 @@ struct Localizer::Impl {
       : maps(std::move(the_maps)), params(the_params), clock(std::move(the_clock)) {}
 
   std::vector<LocalizationMapPtr> maps;
+  std::shared_ptr<MapSource> source;  ///< Of maps; null when `maps` are all.
+  MapSelection selection;             ///< `maps` with their keys, with a source.
   LocalizerParams params;
   Clock clock;
 
@@ -46,8 +49,9 @@ struct Localizer::Impl {
   std::optional<double> usual_share;  ///< Of a scan's points that match the submap.
   int still_scans = 0;                ///< In a row that showed nothing new.
   GlobalSearch search{params};
-  std::optional<StartRegion> region;  ///< While it restricts the search.
-  bool searched = false;              ///< At this scan.
+  std::optional<StartRegion> region;         ///< While it restricts the search.
+  bool searched = false;                     ///< At this scan.
+  std::optional<std::uint64_t> selected_at;  ///< `scans` at the last selection.
   OdometryMonitor odometry_monitor;
 
   Status status = Status::kCollecting;
@@ -111,6 +115,8 @@ struct Localizer::Impl {
 
   void restrict_to(std::optional<StartRegion> start_region);
   void look_for_robot(StepTimes& times);
+  /// Loads the maps where the robot may be, by what it saw.
+  void select_from_source(const View& view);
   void decide(const View& view);
   [[nodiscard]] Reason no_match() const;
   void accept(const Candidate& best);

@@ -70,6 +70,7 @@ void Localizer::Impl::review_acceptance(bool is_search_due) {
 bool Localizer::Impl::review_again(bool is_search_due) {
   if (is_search_due || confirmed) searched_at_m = distance_since_acceptance_m;
   const View view = view_from(submap, T_submap_base_link);
+  if (source && is_search_due && !search.is_suspended()) select_from_source(view);
   searched = search.review(maps, view, *accepted, is_search_due);
   if (search.is_suspended()) return false;
   const Candidates& candidates = search.candidates();

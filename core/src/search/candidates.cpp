@@ -1,6 +1,7 @@
 #include "core/src/search/candidates.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/src/search/map_index.hpp"
@@ -52,7 +53,9 @@ Candidate* Candidates::find(std::size_t map, const Pose2& T_map_base_link) {
   return same == places_.end() ? nullptr : &*same;
 }
 
-AcceptanceTerms Candidates::terms(double depth) const {
+AcceptanceTerms Candidates::terms(double depth) const { return terms(depth, unsearched_maps_); }
+
+AcceptanceTerms Candidates::terms(double depth, std::size_t unsearched_maps) const {
   double margin = margin_without_rivals(depth);
   std::vector<double> log_odds;
   const std::vector<const EvidenceScore*> shifted = scores_of_shifted();
@@ -60,6 +63,7 @@ AcceptanceTerms Candidates::terms(double depth) const {
     margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
     log_odds.push_back(rival_log_odds(best().score, rival.score, shifted));
   }
+  if (unsearched_maps > 0) log_odds.push_back(-std::log(static_cast<double>(unsearched_maps)));
   return weigh(best().score, margin, log_odds, free_area_m2_);
 }
 
@@ -88,6 +92,10 @@ bool Candidates::acceptable(const AcceptanceTerms& terms) const {
   return terms.margin_per_hit >= acceptance_.min_mean_gap &&
          terms.margin_per_hit * best().score.ends >= acceptance_.min_gap &&
          terms.probability_correct >= acceptance_.min_probability;
+}
+
+bool Candidates::is_only_unsearched(double depth) const {
+  return unsearched_maps_ > 0 && acceptable(terms(depth, 0));
 }
 
 Reason Candidates::missing_without_rivals() const {

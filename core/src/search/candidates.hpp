@@ -51,6 +51,14 @@ class Candidates {
   /// Known-free space of all maps searched [m^2]: how many poses there are to be mistaken for.
   void set_free_area(double free_area_m2) { free_area_m2_ = free_area_m2; }
 
+  /// Maps that may hold the robot and were not searched. Each counts as a rival as good as the best
+  /// candidate.
+  void set_unsearched_maps(std::size_t count) { unsearched_maps_ = count; }
+  /// `new_index` by the index before.
+  void renumber_maps(std::span<const std::size_t> new_index) {
+    for (Candidate& place : places_) place.map = new_index[place.map];
+  }
+
   // The following ask for a best candidate. Rivals more than `depth` nat per hit below it were not
   // searched for, and are assumed to exist.
 
@@ -62,11 +70,14 @@ class Candidates {
   [[nodiscard]] bool acceptable(double depth) const { return acceptable(terms(depth)); }
   /// Whether it would be if there were no other poses than those known.
   [[nodiscard]] bool may_be_accepted() const { return acceptable(kRivalMargin); }
+  /// Whether the best would be accepted if no map were unsearched.
+  [[nodiscard]] bool is_only_unsearched(double depth) const;
   /// What would be missing if there were no rivals; kNone when only these stand in the way.
   [[nodiscard]] Reason missing_without_rivals() const;
 
  private:
   [[nodiscard]] bool acceptable(const AcceptanceTerms& terms) const;
+  [[nodiscard]] AcceptanceTerms terms(double depth, std::size_t unsearched_maps) const;
   /// Of the rivals with the heading of the best, in its map.
   [[nodiscard]] std::vector<const EvidenceScore*> scores_of_shifted() const;
   [[nodiscard]] double margin_without_rivals(double depth) const;
@@ -75,6 +86,7 @@ class Candidates {
   AcceptanceParams acceptance_;
   std::vector<Candidate> places_;
   double free_area_m2_ = 0.0;
+  std::size_t unsearched_maps_ = 0;
 };
 
 }  // namespace cornerfix

@@ -19,8 +19,6 @@ constexpr double kWay = 3.0;
 constexpr double kRareGrowth = 2.5;  // where corners speak
 constexpr double kRareWay = 6.0;
 
-constexpr std::size_t kFewMaps = 4;        // are all looked through whole; of more, corners choose
-constexpr std::size_t kEnoughCorners = 6;  // to distinguish poses by
 constexpr std::size_t kMaxPlacesPerMap =
     64;  // judged in one search; poses below the last are unsearched
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
@@ -71,7 +69,7 @@ bool GlobalSearch::may_be_in(const LocalizationMap& map) const {
 }
 
 double GlobalSearch::searched_area_m2(Maps maps) {
-  const double all_m2 = free_area_of(maps);
+  const double all_m2 = whole_area_m2_.value_or(free_area_of(maps));
   if (!region_) return all_m2;
   if (!region_area_ || region_area_->all_m2 != all_m2) {
     region_area_ = RegionArea{.all_m2 = all_m2};
@@ -157,18 +155,20 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
 
 // --- verification
 
-void GlobalSearch::verify(Maps maps, const View& view) {
-  const double area_m2 = searched_area_m2(maps);
-  candidates_.set_free_area(area_m2);
+void GlobalSearch::judge(Maps maps, const View& view) {
+  candidates_.set_free_area(searched_area_m2(maps));
   candidates_.judge_again(maps, view);
   for (const Candidate& place : proposed_) consider(*maps[place.map], view, place);
   if (is_outdated(maps)) whole_.reset();
   if (!whole_) rival_margin_ = kRivalMargin;  // of no search yet
+}
+
+void GlobalSearch::search(Maps maps, const View& view) {
   if (!whole_ && search_due(maps, view)) begin_search(maps, view);
   searched_ = whole_ && continue_search(view);
   if (searched_) {
     const bool is_hopeless = candidates_.empty() || !candidates_.may_be_accepted();
-    only_mirror_image_fits_ = is_hopeless && has_mirror_image(maps, view, area_m2);
+    only_mirror_image_fits_ = is_hopeless && has_mirror_image(maps, view, searched_area_m2(maps));
   }
 }
 
@@ -180,6 +180,19 @@ bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked,
   if (!whole_ && search_maps) begin_search(maps, view);
   searched_ = whole_ && continue_search(view);
   return searched_;
+}
+
+bool GlobalSearch::is_matching_due(const View& view) const {
+  if (whole_) return false;
+  return params_.method != Method::kIndexed || is_due(matched_, view, kGrowth, kWay);
+}
+
+void GlobalSearch::use_selection(const Selected& selected) {
+  whole_.reset();
+  region_area_.reset();
+  whole_area_m2_ = selected.free_area_m2;
+  candidates_.renumber_maps(selected.new_index);
+  candidates_.set_unsearched_maps(selected.unsearched);
 }
 
 /// Whether maps were replaced since the search began.

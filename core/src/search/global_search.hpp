@@ -24,6 +24,9 @@
 
 namespace cornerfix {
 
+inline constexpr std::size_t kFewMaps = 4;        ///< Are searched whole; of more, corners choose.
+inline constexpr std::size_t kEnoughCorners = 6;  ///< To distinguish poses by.
+
 class GlobalSearch {
  public:
   explicit GlobalSearch(const LocalizerParams& params)
@@ -43,8 +46,31 @@ class GlobalSearch {
 
   /// Where the robot may be by what it sees, to be verified. `seed` varies random draws.
   void propose(Maps maps, const View& view, std::uint64_t seed);
-  /// Judges all candidates anew, and searches whole maps where that is due.
-  void verify(Maps maps, const View& view);
+  /// Judges all candidates and proposals anew.
+  void judge(Maps maps, const View& view);
+  /// Then searches whole maps where that is due.
+  void search(Maps maps, const View& view);
+
+  /// Driven since the search began [m].
+  [[nodiscard]] double distance_m() const { return way_m_; }
+  /// Whether propose() would compare corners with maps now.
+  [[nodiscard]] bool is_matching_due(const View& view) const;
+  /// Whether search() would begin a search now.
+  [[nodiscard]] bool is_search_due(Maps maps, const View& view) const {
+    return !whole_ && search_due(maps, view);
+  }
+  /// Maps that were selected among more. Those with candidates are among them.
+  struct Selected {
+    std::span<const std::size_t> new_index;  ///< By the index before; of no meaning where it left.
+    double free_area_m2 = 0.0;               ///< Of all maps.
+    std::size_t unsearched = 0;              ///< Others that may hold the robot.
+  };
+  /// From now on maps are those of a selection. Not while a search is suspended.
+  void use_selection(const Selected& selected);
+  /// Whether the best candidate would be accepted if no map were unsearched.
+  [[nodiscard]] bool is_only_unsearched() const {
+    return candidates_.is_only_unsearched(rival_margin_);
+  }
 
   /// Judges a tracked pose and its rivals anew, and begins a search of whole maps if
   /// `search_maps`. Returns whether a search ended.
@@ -134,6 +160,7 @@ class GlobalSearch {
   LocalizerParams params_;
   std::optional<SearchRegion> region_;  ///< Where the robot may be now; nothing: everywhere.
   std::optional<RegionArea> region_area_;
+  std::optional<double> whole_area_m2_;  ///< Of all maps, when some of them were selected.
   Candidates candidates_;
   std::optional<WholeSearch> whole_;
   std::vector<Candidate> proposed_;

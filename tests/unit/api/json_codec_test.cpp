@@ -72,6 +72,14 @@ TEST(RenderAnswer, HasNoPoseUnlessLocalized) {
   }
 }
 
+TEST(RenderAnswer, StatesHowManyMapsWereConsideredIfTheyAreSeveral) {
+  Answer answer;
+  answer.searched_maps = 1;
+  EXPECT_FALSE(render_answer(answer, {"s", 0, 1.0}).contains("searched_maps"));
+  answer.searched_maps = 100;
+  EXPECT_EQ(render_answer(answer, {"s", 0, 1.0})["searched_maps"], 100);
+}
+
 TEST(RenderAnswer, SaysWhatIsMissing) {
   Answer answer;
   answer.reason = Reason::kFewFeatures;

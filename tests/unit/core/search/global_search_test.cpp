@@ -34,7 +34,8 @@ TEST_P(GlobalSearchMethods, FindTheTruePoseAndAcceptIt) {
   params.method = GetParam();
   GlobalSearch search(params);
   search.propose(office_maps(), office_view(), 1);
-  search.verify(office_maps(), office_view());
+  search.judge(office_maps(), office_view());
+  search.search(office_maps(), office_view());
   ASSERT_FALSE(search.candidates().empty());
   EXPECT_THAT(search.candidates().best().T_map_base_link, IsPoseNear(kTruth, 0.05, 0.02));
   EXPECT_TRUE(search.acceptable());
@@ -53,7 +54,8 @@ TEST(GlobalSearch, KeepsBothOfTwoAliasedPoses) {
   const View view = testing::view_along(testing::equal_rooms(), path);
   GlobalSearch search(LocalizerParams{});
   search.propose(maps, view, 1);
-  search.verify(maps, view);
+  search.judge(maps, view);
+  search.search(maps, view);
   std::vector<Pose2> poses;
   for (const Candidate& one : search.candidates().all()) poses.push_back(one.T_map_base_link);
   EXPECT_THAT(poses, ::testing::Contains(IsPoseNear(path[1], 0.1, 0.03)));
@@ -69,7 +71,8 @@ TEST(GlobalSearch, ComparesPosesOfTheRegionOnly) {
   GlobalSearch search(LocalizerParams{});
   search.restrict_to({.center = {22.0, 1.5}, .radius_m = 2.0}, inverse(path[0]) * path[1]);
   search.propose(maps, view, 1);
-  search.verify(maps, view);
+  search.judge(maps, view);
+  search.search(maps, view);
   ASSERT_FALSE(search.candidates().empty());
   for (const Candidate& one : search.candidates().all()) EXPECT_GT(one.T_map_base_link.x, 20.0);
   EXPECT_TRUE(search.acceptable());
@@ -102,7 +105,8 @@ TEST(GlobalSearch, ReviewComparesTheTrackedPoseWithAllOthers) {
 TEST(GlobalSearch, ForgetsAllWhenReset) {
   GlobalSearch search(LocalizerParams{});
   search.propose(office_maps(), office_view(), 1);
-  search.verify(office_maps(), office_view());
+  search.judge(office_maps(), office_view());
+  search.search(office_maps(), office_view());
   ASSERT_FALSE(search.candidates().empty());
   search.reset();
   EXPECT_TRUE(search.candidates().empty());
