@@ -109,9 +109,10 @@ CLI::Option* add_log(CLI::App& command, std::string& log) {
 }
 
 void add_selection(CLI::App& command, evaluation::LogSelection& selection) {
-  command.add_option("--lidar", selection.lidar,
-                     "Topic of a bag, or message of a CARMEN log, with the scans to take (default: "
-                     "the topic of the most beams, the message of the first scan)");
+  command.add_option(
+      "--lidar", selection.lidar,
+      "Topic of a bag, message of a CARMEN log, or lidar of JSON lines, with the scans "
+      "to take (default: the topic of the most beams, the lidar of the first scan)");
   command.add_option("--odom", selection.odometry,
                      "Topic of a bag with the odometry to take (default: tf, or else that of the "
                      "lidar's namespace)");

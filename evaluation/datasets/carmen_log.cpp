@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -10,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "evaluation/datasets/lidar_choice.hpp"
+#include "evaluation/datasets/scan_limits.hpp"
 #include "evaluation/datasets/scan_parser.hpp"
 
 namespace cornerfix::evaluation {
@@ -48,6 +51,15 @@ class Words {
     if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
     if (!std::isfinite(static_cast<double>(number))) return std::nullopt;
     return number;
+  }
+
+  /// A range; nan and inf, which converters from ROS write, are no return.
+  std::optional<float> next_range() {
+    const std::string_view word = next();
+    float number = 0.0F;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+    return std::isfinite(number) ? number : std::numeric_limits<float>::quiet_NaN();
   }
 
   std::optional<Pose2> next_pose() {
@@ -159,7 +171,8 @@ LaserScan untold_lidar(std::size_t beams, const Params& params) {
 
 class CarmenParser final : public ScanParser {
  public:
-  explicit CarmenParser(std::string lidar) : wanted_(std::move(lidar)) {}
+  explicit CarmenParser(std::string lidar)
+      : lidars_(lidar.empty() ? std::nullopt : std::optional(std::move(lidar))) {}
 
   Result<std::optional<LogScan>> parse(const std::string& line) override {
     Words words(line);
@@ -178,7 +191,7 @@ class CarmenParser final : public ScanParser {
     } else if (const Laser* laser = laser_of(message); laser != nullptr && is_wanted(message)) {
       Result<std::optional<LogScan>> scan =
           laser->tells_its_geometry ? parse_new(*laser, words) : parse_old(*laser, words);
-      if (scan && *scan) wanted_ = message;
+      if (scan && *scan) lidars_.take(std::string(message));
       return scan;
     }
     return std::optional<LogScan>();
@@ -186,18 +199,24 @@ class CarmenParser final : public ScanParser {
 
   std::optional<LogScan> finish() override { return std::exchange(matched_, std::nullopt); }
 
+  [[nodiscard]] std::string choice() const override { return lidars_.choice(); }
+
   [[nodiscard]] std::string contents() const override {
     return "its messages are " + messages_.text() + "; expected " + std::string(kGMappingScan) +
            ", FLASER, RLASER, ROBOTLASER1, ROBOTLASER2, RAWLASER1 or RAWLASER2";
   }
 
  private:
+  static constexpr std::size_t kLongestWord = 20;
+  /// Two poses, timestamp, host and logger_timestamp.
+  static constexpr std::size_t kMostWordsBehindRanges = 9;
+
   static Error malformed(std::string_view message, const std::string& what) {
     return {ErrorCode::kMalformed, std::string(message) + ": " + what, ""};
   }
 
-  [[nodiscard]] bool is_wanted(std::string_view message) const {
-    return wanted_.empty() || wanted_ == message;
+  [[nodiscard]] bool is_wanted(std::string_view message) {
+    return lidars_.is_wanted(std::string(message));
   }
 
   /// name value; those without a laser's settings are passed over.
@@ -252,7 +271,13 @@ class CarmenParser final : public ScanParser {
     const auto beams = words.next_number<std::size_t>();
     if (auto error = check_beams(laser, beams)) return *error;
     out.scan = untold_lidar(*beams, params_);
-    if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
+    if (auto error = read_ranges(laser, words, *beams, out.scan)) return *error;
+    if (words.count() > kMostWordsBehindRanges) {
+      return malformed(laser.message, std::to_string(words.count()) + " words behind " +
+                                          std::to_string(*beams) + " ranges, expected at most " +
+                                          std::to_string(kMostWordsBehindRanges) +
+                                          ": is num_readings too small?");
+    }
     const auto T_map_laser = words.next_pose();
     if (!T_map_laser) return malformed(laser.message, "expected x y theta of the laser");
     const auto T_odom_robot = words.next_pose();
@@ -276,7 +301,7 @@ class CarmenParser final : public ScanParser {
     const auto beams = words.next_number<std::size_t>();
     if (auto error = check_beams(kLaser, beams)) return *error;
     out.scan = untold_lidar(*beams, params_);
-    if (!read_ranges(words, *beams, out.scan)) return expected_ranges(kLaser, *beams);
+    if (auto error = read_ranges(kLaser, words, *beams, out.scan)) return *error;
     const auto T_odom_robot = words.next_pose();
     const auto stamp = words.next_number<double>();
     if (!T_odom_robot || !stamp) return malformed(kGMappingScan, "expected x y theta timestamp");
@@ -284,7 +309,7 @@ class CarmenParser final : public ScanParser {
     out.T_odom_laser = odometry_ ? odometry_->T_odom_robot : *T_odom_robot;
     Result<std::optional<LogScan>> scan = check(kLaser, std::move(out));
     if (!scan) return scan;
-    wanted_ = kGMappingScan;
+    lidars_.take(std::string(kGMappingScan));
     std::swap(matched_, *scan);
     return scan;
   }
@@ -328,8 +353,9 @@ class CarmenParser final : public ScanParser {
     out.scan.angle_min = *start_angle;
     out.scan.angle_increment =
         *resolution != 0.0 ? *resolution : *field_of_view / static_cast<double>(*beams - 1);
+    if (*field_of_view > 0.0) out.stated_angle_max = *start_angle + *field_of_view;
     out.scan.range_max = *maximum_range > 0.0 ? *maximum_range : params_.range_max_m;
-    if (!read_ranges(words, *beams, out.scan)) return expected_ranges(laser, *beams);
+    if (auto error = read_ranges(laser, words, *beams, out.scan)) return *error;
     const bool has_poses = laser.message.starts_with("ROBOT");
     if (!skip_remissions(words, has_poses)) {
       return malformed(laser.message, "expected num_remissions and as many remissions");
@@ -388,18 +414,23 @@ class CarmenParser final : public ScanParser {
     return std::nullopt;
   }
 
-  static Error expected_ranges(const Laser& laser, std::size_t beams) {
-    return malformed(laser.message, "expected " + std::to_string(beams) + " ranges");
-  }
-
-  static bool read_ranges(Words& words, std::size_t beams, LaserScan& scan) {
+  /// Reads the ranges, or says which is none.
+  static std::optional<Error> read_ranges(const Laser& laser, Words& words, std::size_t beams,
+                                          LaserScan& scan) {
     scan.ranges.reserve(beams);
     for (std::size_t beam = 0; beam < beams; ++beam) {
-      const auto range = words.next_number<float>();
-      if (!range) return false;
+      Words here = words;
+      const auto range = words.next_range();
+      if (!range) {
+        const std::string word(here.next().substr(0, kLongestWord));
+        const std::string found = word.empty() ? "the line ends" : "\"" + word + "\" is none";
+        return malformed(laser.message, "expected " + std::to_string(beams) +
+                                            " ranges in metres, with a point; at range " +
+                                            std::to_string(beam) + " " + found);
+      }
       scan.ranges.push_back(*range);
     }
-    return true;
+    return std::nullopt;
   }
 
   /// The first good scan makes the header.
@@ -407,11 +438,14 @@ class CarmenParser final : public ScanParser {
     if (const auto error = validate(scan.scan)) {
       return malformed(laser.message, error->field + ": " + error->message);
     }
+    if (const auto error = find_value_beyond_limits(scan)) {
+      return malformed(laser.message, error->field + ": " + error->message);
+    }
     if (header_.beams == 0) set_lidar(header_, scan.scan);
     return std::optional<LogScan>(std::move(scan));
   }
 
-  std::string wanted_;  ///< The message whose scans are taken; empty until the first.
+  LidarChoice lidars_;  ///< By message.
   MessageCounts messages_;
   Params params_;
   std::optional<Odometry> odometry_;

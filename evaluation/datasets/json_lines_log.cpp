@@ -1,11 +1,15 @@
 #include <simdjson.h>
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string_view>
+#include <utility>
 
+#include "evaluation/datasets/lidar_choice.hpp"
+#include "evaluation/datasets/scan_limits.hpp"
 #include "evaluation/datasets/scan_parser.hpp"
 
 namespace cornerfix::evaluation {
@@ -23,20 +27,28 @@ bool is_blank(const std::string& line) {
   return line.find_first_not_of(" \t") == std::string::npos;
 }
 
-/// JSON has neither NaN nor infinity, but Python writes both.
-bool is_not_finite(value number) {
-  const std::string_view token = number.raw_json_token();
-  return token.starts_with("NaN") || token.starts_with("Infinity") || token.starts_with("-Inf");
+/// Whether `token` is this number that JSON does not have. Python writes NaN and Infinity, C++ nan
+/// and inf, and Protobuf puts both in quotes.
+bool is_unusual_number(std::string_view token, std::string_view lower_case_name) {
+  if (token.starts_with('"')) token.remove_prefix(1);
+  if (token.starts_with('-') || token.starts_with('+')) token.remove_prefix(1);
+  const auto is_same_letter = [](char letter, char lower) { return (letter | 0x20) == lower; };
+  return token.size() >= lower_case_name.size() &&
+         std::equal(lower_case_name.begin(), lower_case_name.end(), token.begin(),
+                    [&](char lower, char letter) { return is_same_letter(letter, lower); });
 }
 
 float range_or_nan(value range) {
-  if (is_not_finite(range) || range.is_null()) return std::numeric_limits<float>::quiet_NaN();
+  const std::string_view token = range.raw_json_token();
+  if (is_unusual_number(token, "nan") || is_unusual_number(token, "inf") || range.is_null()) {
+    return std::numeric_limits<float>::quiet_NaN();
+  }
   return static_cast<float>(range.get_double().value());
 }
 
 /// null is no limit.
 double number_or_infinity(value number) {
-  if (number.raw_json_token().starts_with("Infinity") || number.is_null())
+  if (is_unusual_number(number.raw_json_token(), "inf") || number.is_null())
     return std::numeric_limits<double>::infinity();
   return number.get_double();
 }
@@ -44,13 +56,16 @@ double number_or_infinity(value number) {
 /// What a member must be, for the message of an error.
 std::string expected(std::string_view field) {
   if (field == "ranges") return "expected an array of metres or null";
+  if (field.starts_with("ranges/")) return "expected metres or null";
   if (field == "odom" || field == "pose") return "expected [x, y, yaw] or null";
-  if (field == "name" || field == "source") return "expected a text";
+  if (field == "name" || field == "source" || field == "lidar") return "expected a text";
   return "expected a number";
 }
 
-/// As the HTTP API takes them [s].
-constexpr double kLatestStamp = 1e12;
+/// A member that is there twice: which is right is not known.
+struct RepeatedMember {};
+
+constexpr const char* kOneObjectPerLine = "expected one object per line, ended by LF";
 
 /// [x, y, yaw] or null.
 std::optional<Pose2> pose_or_null(value pose) {
@@ -67,30 +82,39 @@ std::optional<Pose2> pose_or_null(value pose) {
 
 class JsonLinesParser final : public ScanParser {
  public:
+  explicit JsonLinesParser(std::string lidar)
+      : lidars_(lidar.empty() ? std::nullopt : std::optional(std::move(lidar))) {}
+
   Result<std::optional<LogScan>> parse(const std::string& line) override {
     if (is_blank(line)) return std::optional<LogScan>();
     field_.clear();
     try {
       auto document =
           json_.iterate(simdjson::padded_string_view(line.data(), line.size(), line.capacity()));
-      if (!has_header_) {
+      std::optional<LogScan> scan;
+      if (has_header_) {
+        scan = read_scan(document.get_object());
+      } else {
         header_ = {};
         named_beams_.reset();
         has_increment_ = false;
         read_header(document.get_object());
-      } else {
-        LogScan scan = read_scan(document.get_object());
-        // Only at the end there is no location.
-        if (!document.current_location().error())
-          return malformed_line("more text behind the object");
-        return check(std::move(scan));
       }
+      // Only at the end there is no location.
+      if (!document.current_location().error()) {
+        return malformed_line("more text behind the object, " + std::string(kOneObjectPerLine));
+      }
+      if (scan) return lidars_.is_wanted(lidar_) ? check(std::move(*scan)) : nothing();
+    } catch (const RepeatedMember&) {
+      return malformed_line(field_ + ": there twice, expected once");
     } catch (const simdjson::simdjson_error& error) {
       if (error.error() == simdjson::INCORRECT_TYPE) {
         return malformed_line(field_.empty() ? "expected an object"
                                              : field_ + ": " + expected(field_));
       }
-      return malformed_line((field_.empty() ? "" : field_ + ": ") + error.what());
+      if (field_.empty())
+        return malformed_line(std::string(error.what()) + " " + kOneObjectPerLine);
+      return malformed_line(field_ + ": " + error.what());
     }
     if (!has_increment_) {
       return malformed_line(
@@ -103,13 +127,25 @@ class JsonLinesParser final : public ScanParser {
     if (header_.beams > LogReader::kMaxBeams)
       return malformed_line("header: beams " + too_many_beams());
     has_header_ = true;
-    return std::optional<LogScan>();
+    return nothing();
   }
 
+  [[nodiscard]] std::string contents() const override { return lidars_.contents(); }
+  [[nodiscard]] std::string choice() const override { return lidars_.choice(); }
+
  private:
+  static Result<std::optional<LogScan>> nothing() { return std::optional<LogScan>(); }
+
+  /// Goes on to the next member of an object.
+  void begin_member(std::string_view name) {
+    field_ = name;
+    if (!members_.insert(field_).second) throw RepeatedMember();
+  }
+
   void read_header(object fields) {
+    members_.clear();
     for (auto field : fields) {
-      field_ = std::string_view(field.unescaped_key());
+      begin_member(field.unescaped_key());
       if (field_ == "name") {
         header_.name = std::string_view(field.value().get_string());
       } else if (field_ == "source") {
@@ -147,14 +183,17 @@ class JsonLinesParser final : public ScanParser {
     out.scan.ranges.reserve(header_.beams);
     has_stamp_ = false;
     has_own_angles_ = false;
+    lidar_.clear();
+    members_.clear();
     for (auto field : fields) {
-      field_ = std::string_view(field.unescaped_key());
+      begin_member(field.unescaped_key());
       if (field_ == "t") {
         out.scan.stamp = field.value().get_double();
         has_stamp_ = true;
       } else if (field_ == "ranges") {
-        for (value range : field.value().get_array())
-          out.scan.ranges.push_back(range_or_nan(range));
+        read_ranges(field.value(), out.scan);
+      } else if (field_ == "lidar") {
+        lidar_ = std::string_view(field.value().get_string());
       } else if (field_ == "odom") {
         out.T_odom_laser = pose_or_null(field.value());
       } else if (field_ == "pose") {
@@ -172,13 +211,21 @@ class JsonLinesParser final : public ScanParser {
     return out;
   }
 
+  void read_ranges(value ranges, LaserScan& scan) {
+    for (value range : ranges.get_array()) {
+      try {
+        scan.ranges.push_back(range_or_nan(range));
+      } catch (const simdjson::simdjson_error&) {
+        field_ = "ranges/" + std::to_string(scan.ranges.size());
+        throw;
+      }
+    }
+  }
+
   static std::string too_many_beams() { return "above " + std::to_string(LogReader::kMaxBeams); }
 
   Result<std::optional<LogScan>> check(LogScan scan) {
     if (!has_stamp_) return malformed_line("t: missing, expected seconds");
-    if (!(std::abs(scan.scan.stamp) <= kLatestStamp)) {
-      return malformed_line("t: expected seconds from -1e12 to 1e12");
-    }
     if (scan.scan.ranges.empty()) return malformed_line("ranges: none, expected metres or null");
     if (scan.scan.ranges.size() > LogReader::kMaxBeams) {
       return malformed_line("ranges: number of values " + too_many_beams());
@@ -191,6 +238,10 @@ class JsonLinesParser final : public ScanParser {
     }
     if (auto error = validate(scan.scan))
       return malformed_line(error->field + ": " + error->message);
+    if (auto error = find_value_beyond_limits(scan)) {
+      return malformed_line((error->field == "stamp" ? "t" : error->field) + ": " + error->message);
+    }
+    lidars_.take(lidar_);
     return std::optional<LogScan>(std::move(scan));
   }
 
@@ -200,12 +251,17 @@ class JsonLinesParser final : public ScanParser {
   bool has_increment_ = false;   ///< The header.
   bool has_own_angles_ = false;  ///< The scan being read.
   std::optional<std::size_t> named_beams_;
-  double time_increment_ = 0.0;  ///< Of the header.
-  std::string field_;            ///< Being read, for the message of an error.
+  double time_increment_ = 0.0;    ///< Of the header.
+  std::string field_;              ///< Being read, for the message of an error.
+  std::set<std::string> members_;  ///< Of the object, so far.
+  std::string lidar_;              ///< That the scan being read names; empty when it names none.
+  LidarChoice lidars_;
 };
 
 }  // namespace
 
-std::unique_ptr<ScanParser> make_json_lines_parser() { return std::make_unique<JsonLinesParser>(); }
+std::unique_ptr<ScanParser> make_json_lines_parser(std::string lidar) {
+  return std::make_unique<JsonLinesParser>(std::move(lidar));
+}
 
 }  // namespace cornerfix::evaluation

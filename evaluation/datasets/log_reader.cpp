@@ -4,6 +4,7 @@
 
 #include "evaluation/datasets/log_format.hpp"
 #include "evaluation/datasets/log_source.hpp"
+#include "evaluation/datasets/odd_scans.hpp"
 #include "evaluation/datasets/scan_queue.hpp"
 #include "evaluation/datasets/scan_straightener.hpp"
 #include "evaluation/datasets/stamp_order.hpp"
@@ -23,9 +24,15 @@ Result<std::unique_ptr<LogSource>> open_source(const std::filesystem::path& path
                                                const LogSelection& selection) {
   const Result<LogFormat> format = detect_log_format(path);
   if (!format) return format.error();
+  if (*format != LogFormat::kBag && !selection.odometry.empty()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "has one odometry, without topics: " + selection.odometry +
+                     " can be chosen in bags only (--odom)",
+                 path.string()};
+  }
   switch (*format) {
     case LogFormat::kJsonLines:
-      return open_json_lines_log(path);
+      return open_json_lines_log(path, selection.lidar);
     case LogFormat::kCarmen:
       return open_carmen_log(path, selection.lidar);
     case LogFormat::kBag:
@@ -48,6 +55,7 @@ LogReader::LogReader(std::unique_ptr<LogSource> source, std::filesystem::path pa
                      double scan_time)
     : source_(std::move(source)),
       path_(std::move(path)),
+      oddities_(std::make_unique<OddScans>()),
       queue_(std::make_unique<ScanQueue>()),
       order_(std::make_unique<StampOrder>()),
       straightener_(std::make_unique<ScanStraightener>()),
@@ -92,9 +100,10 @@ double LogReader::progress() const { return source_->progress(); }
 
 std::vector<std::string> LogReader::notes() const {
   std::vector<std::string> notes = source_->notes();
+  for (std::string& note : oddities_->notes()) notes.push_back(std::move(note));
   if (std::string note = queue_->note(); !note.empty()) notes.push_back(std::move(note));
   for (std::string& note : order_->notes()) notes.push_back(std::move(note));
-  if (std::string note = straightener_->note(); !note.empty()) notes.push_back(std::move(note));
+  for (std::string& note : straightener_->notes()) notes.push_back(std::move(note));
   return notes;
 }
 
@@ -120,7 +129,9 @@ std::optional<LogScan> LogReader::next_in_order() {
     while (!is_read_ && !queue_->is_full()) {
       std::optional<LogScan> recorded = source_->next(faults_);
       is_read_ = !recorded;
-      if (recorded) queue_->push(std::move(*recorded));
+      if (!recorded) break;
+      oddities_->look_at(*recorded);
+      queue_->push(std::move(*recorded));
     }
     if (queue_->is_empty()) return std::nullopt;
     std::optional<LogScan> scan = queue_->pop();

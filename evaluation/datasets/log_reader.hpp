@@ -3,7 +3,7 @@
 /// JSON lines (.jsonl): first an object with `name`, `beams` and the lidar's
 /// `angle_min`, `angle_increment`, `range_min`, `range_max`. Then a line per scan,
 /// `{"t": s, "ranges": [m | null], "odom": [x, y, yaw] | null, "pose": [x, y, yaw] | null}`, with
-/// "kf": 1 on key scans; other members are ignored.
+/// "kf": 1 on key scans and "lidar" where there are several; other members are ignored.
 /// CARMEN (.log, .clf, .gfs): FLASER, RLASER, ROBOTLASER1 and RAWLASER1 with ODOM and PARAM. A
 /// FLASER that says no more of its pose than its odometry does has no reference pose.
 /// Bags of ROS (.bag of format 2.0, .mcap, .db3, also .zstd; a directory of those):
@@ -48,6 +48,8 @@ struct LogScan {
   bool is_key_scan = false;  ///< Some logs mark the scans whose reference pose is not interpolated.
   /// From beam to beam [s]; 0 for a scan that was taken at once. See ScanMotion.
   double time_increment = 0.0;
+  /// angle_max as the log states it [rad]; angle_increment decides.
+  std::optional<double> stated_angle_max = {};
   bool begins_run = false;  ///< The clock was set: the robot may stand anywhere.
 };
 
@@ -65,11 +67,11 @@ struct HeightBand {
 
 /// What to take from a log that holds several.
 struct LogSelection {
-  /// A bag's topic or a CARMEN message ("RLASER"); empty for that of the most beams, in CARMEN logs
-  /// that of the first scan. Means nothing for JSON lines.
+  /// A bag's topic, a CARMEN message ("RLASER") or a name of the member `lidar` of JSON lines.
+  /// Empty for the topic of the most beams, or else the lidar of the first scan.
   std::string lidar = {};
   /// A bag's topic of nav_msgs/Odometry, which is then preferred to tf; empty for none in
-  /// particular.
+  /// particular. An error for other logs, which have one odometry.
   std::string odometry = {};
   /// Where a point cloud is cut.
   HeightBand height = {};
@@ -78,6 +80,7 @@ struct LogSelection {
 };
 
 class LogSource;
+class OddScans;
 class ScanQueue;
 class ScanStraightener;
 class StampOrder;
@@ -118,6 +121,7 @@ class LogReader {
   std::filesystem::path path_;
   LogHeader header_;
   LogFaults faults_;
+  std::unique_ptr<OddScans> oddities_;
   std::unique_ptr<ScanQueue> queue_;
   std::unique_ptr<StampOrder> order_;
   std::unique_ptr<ScanStraightener> straightener_;

@@ -34,7 +34,7 @@ class LogSource {
 
 /// JSON lines or CARMEN, plain or gzip'd; a bag of ROS. `lidar` as in LogSelection.
 [[nodiscard]] Result<std::unique_ptr<LogSource>> open_json_lines_log(
-    const std::filesystem::path& path);
+    const std::filesystem::path& path, const std::string& lidar);
 [[nodiscard]] Result<std::unique_ptr<LogSource>> open_carmen_log(const std::filesystem::path& path,
                                                                  const std::string& lidar);
 [[nodiscard]] Result<std::unique_ptr<LogSource>> open_bag(const std::filesystem::path& path,

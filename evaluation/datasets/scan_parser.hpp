@@ -23,6 +23,9 @@ class ScanParser {
   /// What the lines hold that are no scans to be taken, for people; may be empty.
   [[nodiscard]] virtual std::string contents() const { return ""; }
 
+  /// Which lidar's scans are taken and which are not, once that is known; for people.
+  [[nodiscard]] virtual std::string choice() const { return ""; }
+
   /// Complete once the first scan was parsed.
   [[nodiscard]] const LogHeader& header() const { return header_; }
 
@@ -30,8 +33,9 @@ class ScanParser {
   LogHeader header_;
 };
 
-[[nodiscard]] std::unique_ptr<ScanParser> make_json_lines_parser();
-/// `lidar` is the message to take ("FLASER"), or empty for that of the first scan.
+/// `lidar` is the name of the scans to take, or empty for that of the first scan. It is a value of
+/// the member `lidar` in JSON lines, or a message of CARMEN ("FLASER").
+[[nodiscard]] std::unique_ptr<ScanParser> make_json_lines_parser(std::string lidar);
 [[nodiscard]] std::unique_ptr<ScanParser> make_carmen_parser(std::string lidar);
 
 }  // namespace cornerfix::evaluation

@@ -1,6 +1,7 @@
 #include "evaluation/datasets/scan_straightener.hpp"
 
 #include <cmath>
+#include <cstdio>
 
 #include <cornerfix/laser_scan.hpp>
 
@@ -28,12 +29,21 @@ std::optional<ScanMotion> motion_between(const LogScan* from, const LogScan* to)
   return motion;
 }
 
+std::string claim_text(const LogScan& scan, double seconds) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.6g s times %zu beams are %.6g s", scan.time_increment,
+                scan.scan.ranges.size(), seconds);
+  return text;
+}
+
 }  // namespace
 
 void ScanStraightener::straighten(LogScan& scan, const LogScan* after) {
   const double seconds =
       std::abs(scan.time_increment) * static_cast<double>(scan.scan.ranges.size());
-  if (seconds > 0.0 && seconds <= kLongestScan) {
+  if (seconds > kLongestScan) {
+    if (too_long_++ == 0) first_too_long_ = claim_text(scan, seconds);
+  } else if (seconds > 0.0) {
     auto motion = motion_between(&scan, after);
     if (!motion) motion = motion_between(before_ ? &*before_ : nullptr, &scan);
     if (motion) {
@@ -49,10 +59,20 @@ void ScanStraightener::straighten(LogScan& scan, const LogScan* after) {
   before_->T_map_laser = scan.T_map_laser;
 }
 
-std::string ScanStraightener::note() const {
-  if (crooked_ == 0) return "";
-  return std::to_string(crooked_) +
-         " scans were taken beam by beam and are used as they are: their motion is not known";
+std::vector<std::string> ScanStraightener::notes() const {
+  std::vector<std::string> notes;
+  if (crooked_ > 0) {
+    notes.push_back(std::to_string(crooked_) +
+                    " scans were taken beam by beam and are used as they are: their motion is not "
+                    "known");
+  }
+  if (too_long_ > 0) {
+    notes.push_back("time_increment cannot be right in " + std::to_string(too_long_) +
+                    " scans, in the first " + first_too_long_ +
+                    ", expected at most 1 s: these are used as they are, --scan-time straightens "
+                    "them");
+  }
+  return notes;
 }
 
 }  // namespace cornerfix::evaluation

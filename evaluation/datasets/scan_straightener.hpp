@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "evaluation/datasets/log_reader.hpp"
 
@@ -16,12 +17,14 @@ class ScanStraightener {
   /// the reference poses. Leaves a scan as it is that was taken at once. `after` may be null.
   void straighten(LogScan& scan, const LogScan* after);
 
-  /// How many scans could not be straightened, for people; may be empty.
-  [[nodiscard]] std::string note() const;
+  /// How many scans could not be straightened, for people.
+  [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
   std::optional<LogScan> before_;  ///< Its stamp and poses.
   std::size_t crooked_ = 0;
+  std::size_t too_long_ = 0;  ///< Scans whose time_increment is no time.
+  std::string first_too_long_;
 };
 
 }  // namespace cornerfix::evaluation

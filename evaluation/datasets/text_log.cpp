@@ -20,12 +20,13 @@ class TextLog final : public LogSource {
       if (!more) faults.add(place(), more.error().message);
       if (!more || !*more) return end();
       Result<std::optional<LogScan>> scan = parser_->parse(lines_.line());
+      note_choice();
       if (!scan) {
         faults.add_scan(place(), scan.error().message);
       } else if (*scan) {
         return take(std::move(*scan));
       }
-      if (header_.beams == 0 && faults.count() >= kMaxFaultsBeforeAScan) return std::nullopt;
+      if (!has_scan_ && faults.count() >= kMaxFaultsBeforeAScan) return std::nullopt;
     }
   }
 
@@ -38,12 +39,20 @@ class TextLog final : public LogSource {
   std::optional<LogScan> end() {
     std::optional<LogScan> last = take(parser_->finish());
     const std::string contents = parser_->contents();
-    if (header_.beams == 0 && notes_.empty() && !contents.empty()) notes_.push_back(contents);
+    if (!has_scan_ && notes_.empty() && !contents.empty()) notes_.push_back(contents);
     return last;
+  }
+
+  void note_choice() {
+    if (is_choice_noted_) return;
+    std::string choice = parser_->choice();
+    is_choice_noted_ = !choice.empty();
+    if (is_choice_noted_) notes_.push_back(std::move(choice));
   }
 
   std::optional<LogScan> take(std::optional<LogScan> scan) {
     header_ = parser_->header();
+    has_scan_ = has_scan_ || scan.has_value();
     return scan;
   }
 
@@ -54,6 +63,8 @@ class TextLog final : public LogSource {
 
   LineReader lines_;
   std::unique_ptr<ScanParser> parser_;
+  bool has_scan_ = false;
+  bool is_choice_noted_ = false;
 };
 
 Result<std::unique_ptr<LogSource>> open_text_log(const std::filesystem::path& path,
@@ -66,8 +77,9 @@ Result<std::unique_ptr<LogSource>> open_text_log(const std::filesystem::path& pa
 
 }  // namespace
 
-Result<std::unique_ptr<LogSource>> open_json_lines_log(const std::filesystem::path& path) {
-  return open_text_log(path, make_json_lines_parser());
+Result<std::unique_ptr<LogSource>> open_json_lines_log(const std::filesystem::path& path,
+                                                       const std::string& lidar) {
+  return open_text_log(path, make_json_lines_parser(lidar));
 }
 
 Result<std::unique_ptr<LogSource>> open_carmen_log(const std::filesystem::path& path,

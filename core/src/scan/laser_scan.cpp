@@ -1,34 +1,55 @@
 #include <cornerfix/laser_scan.hpp>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <string>
 
 namespace cornerfix {
 
+namespace {
+
+std::string scan_number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string not_scan_value(double value) { return ", not " + scan_number_text(value); }
+
+}  // namespace
+
 std::optional<Error> validate(const LaserScan& scan) {
-  const auto broken = [](const char* field, const char* message) {
+  const auto broken = [](const char* field, const std::string& message) {
     return Error{ErrorCode::kInvalidArgument, message, field};
   };
   if (!std::isfinite(scan.stamp)) return broken("stamp", "must be a finite number of seconds");
   constexpr double kTurn = 2.0 * std::numbers::pi;
   constexpr double kFarthestBearing = 1e6;  // [rad]; beyond it a beam's bearing loses its digits
   if (!(std::abs(scan.angle_min) <= kFarthestBearing))
-    return broken("angle_min", "must be a finite angle in radians, at most 1e6 to either side");
+    return broken("angle_min", "must be a finite angle in radians, at most 1e6 to either side" +
+                                   not_scan_value(scan.angle_min));
   if (!(std::abs(scan.angle_increment) <= kTurn) || scan.angle_increment == 0.0) {
     return broken("angle_increment",
-                  "must be a finite angle in radians, not zero, at most a full turn");
+                  "must be a finite angle in radians, not zero, at most a full turn" +
+                      not_scan_value(scan.angle_increment));
   }
   if (!std::isfinite(scan.range_min) || scan.range_min < 0.0) {
-    return broken("range_min", "must be a finite length in metres, not negative");
+    return broken("range_min", "must be a finite length in metres, not negative" +
+                                   not_scan_value(scan.range_min));
   }
   if (!(scan.range_max > scan.range_min)) {
-    return broken("range_max", "must be a length in metres above range_min, or infinite");
+    return broken("range_max", "must be a length in metres above range_min, or infinite" +
+                                   not_scan_value(scan.range_max));
   }
   // One beam's width of slack: some drivers repeat the first bearing as the last.
   const double field_of_view =
       std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
   if (field_of_view > kTurn + 2.0 * std::abs(scan.angle_increment) + 1e-3) {
-    return broken("ranges", "cover more than a full turn at this angle_increment");
+    return broken("ranges", "cover more than a full turn at this angle_increment: " +
+                                std::to_string(scan.ranges.size()) + " beams times " +
+                                scan_number_text(scan.angle_increment) +
+                                " rad; are these degrees?");
   }
   return std::nullopt;
 }

@@ -12,6 +12,7 @@
 #include "evaluation/datasets/bag/sorted_messages.hpp"
 #include "evaluation/datasets/bag/stamp_range.hpp"
 #include "evaluation/datasets/log_source.hpp"
+#include "evaluation/datasets/scan_limits.hpp"
 #include "frames/floor_pose.hpp"
 #include "frames/frame_tree.hpp"
 #include "frames/robot_odometry.hpp"
@@ -132,7 +133,7 @@ class BagLog final : public LogSource {
         above.rbegin(), above.rend(),
         [](const FrameTree::Ancestor& ancestor) { return ancestor.T_ancestor_frame.has_value(); });
     const Eigen::Matrix3d rotation = highest->T_ancestor_frame->transform.rotation();
-    wait(message, {cloud->frame, slice(*cloud, rotation, height_), 0.0}, true);
+    wait(message, {cloud->frame, slice(*cloud, rotation, height_)}, true);
   }
 
   void wait(const RecordedMessage& message, LaserScanMessage scan, bool is_level) {
@@ -154,9 +155,10 @@ class BagLog final : public LogSource {
     if (!is_in_use(message.topic, holds_always ? topics_.static_transforms : topics_.transforms)) {
       return;
     }
-    auto transforms = parse_transforms(message.bytes, message.format);
-    if (!transforms) return faults.add(message.where, transforms.error().message);
-    for (StampedTransform& transform : *transforms) {
+    auto read = parse_transforms(message.bytes, message.format);
+    if (!read) return faults.add(message.where, read.error().message);
+    if (!read->fault.empty()) faults.add(message.where, read->fault);
+    for (StampedTransform& transform : read->transforms) {
       if (transform.stamp == 0.0) transform.stamp = message.received;
       frames_.add(transform, holds_always ? FrameTree::Origin::kStatic : FrameTree::Origin::kTf);
       if (!holds_always) transform_stamps_.add(transform.stamp);
@@ -198,9 +200,15 @@ class BagLog final : public LogSource {
                                          std::to_string(std::acos(upright)) + " rad");
       return std::nullopt;
     }
+    if (const auto error = find_value_beyond_limits(out)) {
+      faults.add_scan(waiting.where, error->field + ": " + error->message);
+      return std::nullopt;
+    }
     if (!waiting.is_level && upright < 0.0) {
       out.scan = turned_over(std::move(out.scan));
       out.time_increment = -out.time_increment;
+    } else {
+      out.stated_angle_max = waiting.message.angle_max;
     }
     if (header_.beams == 0) set_lidar(header_, out.scan);
     return out;

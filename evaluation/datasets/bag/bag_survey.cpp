@@ -84,13 +84,23 @@ std::optional<std::string> choose_odometry(const SurveyedTopics& survey, const s
   return best == known.end() ? std::nullopt : std::optional(best->name);
 }
 
+/// The topic that a user means, who may leave out the slash in front.
+std::string topic_called(const std::string& name, const SurveyedTopics& survey) {
+  const bool is_known = std::ranges::find(survey, name, &SurveyedTopic::name) != survey.end();
+  const std::string with_slash = "/" + name;
+  const bool has_slash =
+      std::ranges::find(survey, with_slash, &SurveyedTopic::name) != survey.end();
+  return !is_known && has_slash ? with_slash : name;
+}
+
 // What was chosen, where there was a choice.
 
 void note_scans(const SurveyedTopics& survey, BagTopics& topics) {
   SurveyedTopics known = survey;
   std::erase_if(known, [](const SurveyedTopic& topic) { return !gives_scans(topic.kind); });
   const std::string unused = others(known, {topics.scans});
-  if (known.empty() || unused.empty()) return;
+  const bool is_known = std::ranges::find(known, topics.scans, &SurveyedTopic::name) != known.end();
+  if (!is_known || unused.empty()) return;
   topics.notes.push_back("scans of " + topics.scans + " only, not of " + unused);
 }
 
@@ -100,6 +110,16 @@ void note_odometry(const SurveyedTopics& survey, BagTopics& topics) {
   if (unused.empty()) return;
   topics.notes.push_back("odometry of " + used + " where tf has none, not of " + unused +
                          "; --odom chooses");
+}
+
+/// Of a topic that was chosen but is not there.
+void note_missing_odometry_topic(const SurveyedTopics& survey, BagTopics& topics) {
+  const SurveyedTopics known = of_kind(survey, MessageKind::kOdometry);
+  const std::string& used = *topics.odometry;
+  if (std::ranges::find(known, used, &SurveyedTopic::name) != known.end()) return;
+  const std::string there = others(known, {});
+  topics.notes.push_back("no nav_msgs/Odometry of " + used + " (--odom), " +
+                         (there.empty() ? "nor of any other topic" : "only of " + there));
 }
 
 void note_transforms(const SurveyedTopics& survey, BagTopics& topics) {
@@ -148,9 +168,9 @@ class Surveyor {
   }
 
   static void note_static_transforms(SurveyedTopic& topic, const RecordedMessage& message) {
-    const auto transforms = parse_transforms(message.bytes, message.format);
-    if (!transforms || topic.static_transforms.size() > kMostStaticTransforms) return;
-    std::ranges::copy(*transforms, std::back_inserter(topic.static_transforms));
+    const auto message_read = parse_transforms(message.bytes, message.format);
+    if (!message_read || topic.static_transforms.size() > kMostStaticTransforms) return;
+    std::ranges::copy(message_read->transforms, std::back_inserter(topic.static_transforms));
   }
 
   SurveyedTopics topics_;
@@ -178,9 +198,10 @@ bool is_static(const std::string& transforms_topic) { return transforms_topic.en
 BagTopics choose_topics(const BagSurvey& survey, const LogSelection& selection) {
   const SurveyedTopics& known = survey.topics;
   BagTopics topics;
-  topics.scans = selection.lidar.empty() ? choose_scans(known) : selection.lidar;
-  topics.odometry =
-      selection.odometry.empty() ? choose_odometry(known, topics.scans) : selection.odometry;
+  topics.scans =
+      selection.lidar.empty() ? choose_scans(known) : topic_called(selection.lidar, known);
+  topics.odometry = selection.odometry.empty() ? choose_odometry(known, topics.scans)
+                                               : topic_called(selection.odometry, known);
   topics.transforms = choose_transforms(known, false, topics.scans);
   topics.static_transforms = choose_transforms(known, true, topics.scans);
   const auto fixed =
@@ -188,7 +209,11 @@ BagTopics choose_topics(const BagSurvey& survey, const LogSelection& selection) 
   if (fixed != known.end()) topics.known_static_transforms = fixed->static_transforms;
   topics.is_out_of_order = survey.is_out_of_order;
   note_scans(known, topics);
-  if (selection.odometry.empty()) note_odometry(known, topics);
+  if (selection.odometry.empty()) {
+    note_odometry(known, topics);
+  } else {
+    note_missing_odometry_topic(known, topics);
+  }
   note_transforms(known, topics);
   return topics;
 }

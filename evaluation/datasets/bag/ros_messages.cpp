@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -37,26 +38,40 @@ Header read_header(WireReader& reader, WireFormat format) {
   return header;
 }
 
-/// Translation x y z, rotation x y z w; nothing when they are no pose.
-std::optional<Eigen::Isometry3d> read_pose(WireReader& reader) {
+/// geometry_msgs/TransformStamped, and what Odometry begins with.
+struct ReadTransform {
+  StampedTransform transform;
+  std::string fault;  ///< Empty when it is a pose.
+};
+
+std::string fault_of(const StampedTransform& frames, const Eigen::Vector3d& translation,
+                     const Eigen::Quaterniond& rotation) {
+  char numbers[200];
+  std::snprintf(numbers, sizeof numbers,
+                "translation %.6g %.6g %.6g, rotation %.6g %.6g %.6g %.6g (x y z w)",
+                translation.x(), translation.y(), translation.z(), rotation.x(), rotation.y(),
+                rotation.z(), rotation.w());
+  return "from " + frames.parent + " to " + frames.child + ": " + numbers +
+         ", expected finite numbers and a unit quaternion";
+}
+
+Result<ReadTransform> read_transform(WireReader& reader, WireFormat format) {
+  const Header header = read_header(reader, format);
+  ReadTransform read;
+  read.transform.stamp = header.stamp;
+  read.transform.parent = header.frame;
+  read.transform.child = frame_name(reader.text());
   Eigen::Vector3d translation;
   for (double& coordinate : translation) coordinate = reader.number<double>();
   Eigen::Quaterniond rotation;
   for (double& coefficient : rotation.coeffs()) coefficient = reader.number<double>();
-  return rigid_transform(translation, rotation);
-}
-
-Result<StampedTransform> read_transform(WireReader& reader, WireFormat format) {
-  const Header header = read_header(reader, format);
-  StampedTransform transform;
-  transform.stamp = header.stamp;
-  transform.parent = header.frame;
-  transform.child = frame_name(reader.text());
-  const auto pose = read_pose(reader);
   if (!reader.ok()) return malformed("ends too early");
-  if (!pose) return malformed("its pose is not finite or its rotation is no unit quaternion");
-  transform.T_parent_child = *pose;
-  return transform;
+  if (const auto pose = rigid_transform(translation, rotation)) {
+    read.transform.T_parent_child = *pose;
+  } else {
+    read.fault = fault_of(read.transform, translation, rotation);
+  }
+  return read;
 }
 
 /// LaserScan and MultiEchoLaserScan differ in what a beam is.
@@ -70,7 +85,8 @@ Result<LaserScanMessage> parse_scan(std::span<const std::byte> bytes, WireFormat
   LaserScan& scan = message.scan;
   scan.stamp = header.stamp;
   scan.angle_min = static_cast<double>(reader.number<float>());
-  reader.number<float>();  // angle_max follows from the others
+  const double angle_max = static_cast<double>(reader.number<float>());
+  if (std::isfinite(angle_max)) message.angle_max = angle_max;
   scan.angle_increment = static_cast<double>(reader.number<float>());
   message.time_increment = static_cast<double>(reader.number<float>());
   reader.number<float>();  // scan_time
@@ -206,23 +222,29 @@ Result<PointCloudMessage> parse_point_cloud(std::span<const std::byte> bytes, Wi
 
 Result<StampedTransform> parse_odometry(std::span<const std::byte> bytes, WireFormat format) {
   WireReader reader(bytes, format);
-  Result<StampedTransform> transform = read_transform(reader, format);
-  if (!transform) return malformed("Odometry: " + transform.error().message);
-  return transform;
+  Result<ReadTransform> read = read_transform(reader, format);
+  if (!read) return malformed("Odometry: " + read.error().message);
+  if (!read->fault.empty()) return malformed("Odometry: " + read->fault);
+  return std::move(read->transform);
 }
 
-Result<std::vector<StampedTransform>> parse_transforms(std::span<const std::byte> bytes,
-                                                       WireFormat format) {
+Result<TransformsMessage> parse_transforms(std::span<const std::byte> bytes, WireFormat format) {
   constexpr std::size_t kLeastBytes = 7 * sizeof(double);
   WireReader reader(bytes, format);
-  std::vector<StampedTransform> transforms(reader.count(kLeastBytes));
+  const std::size_t count = reader.count(kLeastBytes);
   if (!reader.ok()) return malformed("TFMessage: ends too early");
-  for (StampedTransform& transform : transforms) {
-    Result<StampedTransform> read = read_transform(reader, format);
+  TransformsMessage message;
+  message.transforms.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    Result<ReadTransform> read = read_transform(reader, format);
     if (!read) return malformed("TFMessage: " + read.error().message);
-    transform = std::move(*read);
+    if (read->fault.empty()) {
+      message.transforms.push_back(std::move(read->transform));
+    } else if (message.fault.empty()) {
+      message.fault = "TFMessage: " + read->fault;
+    }
   }
-  return transforms;
+  return message;
 }
 
 }  // namespace cornerfix::evaluation

@@ -26,7 +26,8 @@ enum class MessageKind { kLaserScan, kMultiEchoScan, kPointCloud, kOdometry, kTr
 struct LaserScanMessage {
   std::string frame;
   LaserScan scan;
-  double time_increment = 0.0;  ///< From beam to beam [s].
+  double time_increment = 0.0;           ///< From beam to beam [s].
+  std::optional<double> angle_max = {};  ///< [rad]; nothing where it is not finite.
 };
 
 /// sensor_msgs/PointCloud2. Points that are not finite are left out.
@@ -34,6 +35,12 @@ struct PointCloudMessage {
   std::string frame;
   double stamp = 0.0;
   std::vector<Eigen::Vector3f> points;
+};
+
+/// tf/tfMessage or tf2_msgs/TFMessage.
+struct TransformsMessage {
+  std::vector<StampedTransform> transforms;
+  std::string fault;  ///< Of the first transform that is left out; empty when there is none.
 };
 
 /// Frames come without a leading slash. A message that ends too early, a length that it cannot
@@ -50,8 +57,8 @@ struct PointCloudMessage {
 /// nav_msgs/Odometry, as the transform from its child frame.
 [[nodiscard]] Result<StampedTransform> parse_odometry(std::span<const std::byte> bytes,
                                                       WireFormat format);
-/// tf/tfMessage and tf2_msgs/TFMessage.
-[[nodiscard]] Result<std::vector<StampedTransform>> parse_transforms(
-    std::span<const std::byte> bytes, WireFormat format);
+/// Transforms that are not finite or no rotation are left out, as tf2 does.
+[[nodiscard]] Result<TransformsMessage> parse_transforms(std::span<const std::byte> bytes,
+                                                         WireFormat format);
 
 }  // namespace cornerfix::evaluation

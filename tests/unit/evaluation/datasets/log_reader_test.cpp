@@ -110,7 +110,7 @@ TEST_F(LogReading, LeavesBrokenLinesOutAndReportsWhereTheyAre) {
       {R"({"t": 1, "ranges": [1, 1]})", "ranges: 2 values, expected 3"},
       {R"({"t": 1, "ranges": []})", "ranges: none, expected metres or null"},
       {R"({"t": 1})", "ranges: none, expected metres or null"},
-      {R"({"t": 1, "ranges": [1, 1, "far"]})", "ranges: "},
+      {R"({"t": 1, "ranges": [1, 1, "far"]})", "ranges/2: expected metres or null"},
       {R"({"t": 1, "ranges": [1, 1, 1)", ""},
       {R"({"ranges": [1, 1, 1]})", "t: missing, expected seconds"},
       {R"({"t": 1, "ranges": [1, 1, 1], "pose": [1, 2]})", "pose: "},
@@ -320,7 +320,8 @@ TEST_F(LogReading, LeavesABrokenCarmenMessageOutAndReportsWhereItIs) {
   EXPECT_EQ(read_all(*reader).scans.size(), 2U);
   ASSERT_EQ(reader->faults().count(), 2U);
   EXPECT_EQ(reader->faults().first()[0].where, "line 3, byte 48");
-  EXPECT_EQ(reader->faults().first()[0].message, "FLASER: expected 3 ranges");
+  EXPECT_EQ(reader->faults().first()[0].message,
+            "FLASER: expected 3 ranges in metres, with a point; at range 2 the line ends");
   EXPECT_EQ(reader->faults().first()[1].message,
             "FLASER: expected a number of beams from 2 to 20000");
 }

@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "evaluation/datasets/log_reader.hpp"
@@ -141,6 +144,165 @@ TEST_F(OddLogs, NamesWhatAFileIsThatMustBeUnpacked) {
             "is packed with xz: unpack it first");
   EXPECT_EQ(message_of("a.zip", "PK\x03\x04"), "is packed with zip: unpack it first");
   EXPECT_EQ(message_of("a.tar.gz", "\x1f\x8b"), "is an archive: unpack it first");
+}
+
+/// The remarks about a log that was read to its end, or why it cannot be read.
+std::string remarks_about(const std::filesystem::path& path, const LogSelection& selection = {}) {
+  auto reader = LogReader::open(path, selection);
+  if (!reader) return reader.error().message;
+  (void)read_all(*reader);
+  return remarks(*reader);
+}
+
+/// Scans of three ranges, ten a second.
+std::string lines_with(const std::string& ranges, int count = 8, double step = 0.1) {
+  std::string lines;
+  for (int i = 0; i < count; ++i) {
+    lines += R"({"t": )" + std::to_string(step * i) + R"(, "ranges": )" + ranges + "}\n";
+  }
+  return lines;
+}
+
+TEST_F(OddLogs, SaysWhyMostScansHaveNoReturn) {
+  EXPECT_EQ(remarks_about(directory_.write("a.jsonl", kHeader + lines_with("[4100, 2300, null]"))),
+            "8 of 8 scans have no return (range_min 0.1 m, range_max 20 m): of their ranges 67 % "
+            "are above, 0 % below, 33 % not finite; the longest is 4100 m; expected metres, are "
+            "these millimetres?");
+  EXPECT_THAT(remarks_about(directory_.write("b.jsonl", kHeader + lines_with("[0, 0, 0.05]"))),
+              HasSubstr("of their ranges 0 % are above, 100 % below, 0 % not finite"));
+  EXPECT_EQ(remarks_about(directory_.write("c.jsonl", kHeader + lines_with("[1, null, null]"))),
+            "");
+}
+
+TEST_F(OddLogs, NamesRangesThatAreFartherThanLidarsSee) {
+  const std::string header =
+      R"({"angle_min": 0, "angle_increment": 1, "range_min": 50, "range_max": 30000})"
+      "\n";
+  EXPECT_THAT(remarks_about(directory_.write("a.jsonl", header + lines_with("[4100, 2300, 80]"))),
+              HasSubstr("the farthest of the first scan 4100 m: expected metres, are these "
+                        "millimetres?"));
+}
+
+TEST_F(OddLogs, AsksForTheUnitOfStampsThatAreFarApart) {
+  for (const double step : {100.0, 100000.0}) {
+    EXPECT_THAT(
+        remarks_about(directory_.write("a.jsonl", kHeader + lines_with("[1, 1, 1]", 8, step))),
+        HasSubstr("most scans are more than 20 s apart"))
+        << step;
+  }
+}
+
+TEST_F(OddLogs, NamesStampsAndPosesThatNoRunHas) {
+  const std::vector<std::pair<std::string, std::string>> member_and_message = {
+      {R"("t": 1700000000000)",
+       "t: expected seconds from -1e12 to 1e12, not 1.7e+12; are these milliseconds?"},
+      {R"("t": 1700000000000000000)", "are these micro- or nanoseconds?"},
+      {R"("t": 1, "odom": [1e300, 0, 0])", "odom: expected x and y within 1e8 m, not 1e+300 and 0"},
+      {R"("t": 1, "pose": [0, -2e8, 0])", "pose: expected x and y within 1e8 m, not 0 and"},
+  };
+  for (const auto& [member, message] : member_and_message) {
+    const std::string line = "{" + member + R"(, "ranges": [1, 1, 1]})";
+    EXPECT_THAT(remarks_about(directory_.write("a.jsonl", kHeader + line)), HasSubstr(message));
+  }
+  EXPECT_THAT(remarks_about(
+                  directory_.write("a.log", "FLASER 3 1 2 3 0 0 0 0 0 0 1700000000000 host 1.0\n")),
+              HasSubstr("FLASER: stamp: expected seconds"));
+}
+
+TEST_F(OddLogs, NamesATimeIncrementThatIsNoTime) {
+  const std::string header =
+      R"({"angle_min": 0, "angle_increment": 1, "range_min": 0, "range_max": 30, )"
+      R"("time_increment": 0.5})"
+      "\n";
+  EXPECT_EQ(remarks_about(directory_.write("a.jsonl", header + lines_with("[1, 1, 1]"))),
+            "time_increment cannot be right in 8 scans, in the first 0.5 s times 3 beams are 1.5 "
+            "s, expected at most 1 s: these are used as they are, --scan-time straightens them");
+}
+
+TEST_F(OddLogs, TakesTheNumbersThatOtherLanguagesWriteForNoReturn) {
+  for (const char* ranges : {"[1, nan, inf]", "[1, -inf, -nan]", R"([1, "NaN", "Infinity"])",
+                             R"([1, "inf", "-Infinity"])"}) {
+    const auto log = read_log(directory_.write("a.jsonl", kHeader + lines_with(ranges)));
+    ASSERT_TRUE(log.ok()) << log.error().message;
+    ASSERT_EQ(log->scans.size(), 8U) << ranges;
+    EXPECT_TRUE(log->scans[0].scan.has_return(0));
+    EXPECT_TRUE(std::isnan(log->scans[0].scan.ranges[1])) << ranges;
+    EXPECT_TRUE(std::isnan(log->scans[0].scan.ranges[2])) << ranges;
+  }
+}
+
+TEST_F(OddLogs, RefusesAMemberThatIsThereTwice) {
+  EXPECT_THAT(remarks_about(directory_.write(
+                  "a.jsonl", kHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "t": 2})"))),
+              HasSubstr("t: there twice, expected once"));
+}
+
+TEST_F(OddLogs, SaysThatEachLineHoldsOneObject) {
+  std::string text = kHeader + lines_with("[1, 1, 1]");
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_THAT(remarks_about(directory_.write("a.jsonl", text)),
+              HasSubstr("expected one object per line, ended by LF"));
+}
+
+TEST_F(OddLogs, TakesTheScansOfOneNamedLidar) {
+  std::string lines;
+  for (int i = 0; i < 6; ++i) {
+    lines += R"({"t": )" + std::to_string(i) + R"(, "ranges": [1, 1, )" + std::to_string(i + 1) +
+             R"(], "lidar": ")" + (i % 3 == 0 ? "front" : "rear") + "\"}\n";
+  }
+  const auto path = directory_.write("a.jsonl", kHeader + lines);
+  auto front = LogReader::open(path);
+  ASSERT_TRUE(front.ok());
+  EXPECT_EQ(read_all(*front).scans.size(), 2U);
+  EXPECT_EQ(remarks(*front), "scans of front only, not of rear; --lidar chooses");
+  auto rear = LogReader::open(path, {.lidar = "rear"});
+  ASSERT_TRUE(rear.ok());
+  EXPECT_EQ(read_all(*rear).scans.size(), 4U);
+  EXPECT_EQ(remarks_about(path, {.lidar = "side"}),
+            "holds no scan of side; its scans are of front (2), rear (4)");
+  EXPECT_EQ(remarks_about(directory_.write("b.jsonl", kHeader + lines_with("[1, 1, 1]")),
+                          {.lidar = "front"}),
+            "holds no scan of front; its scans are of a lidar without a name (8)");
+}
+
+TEST_F(OddLogs, RefusesToChooseTheOdometryOfALogThatHasOne) {
+  EXPECT_THAT(remarks_about(directory_.write("a.jsonl", kHeader + lines_with("[1, 1, 1]")),
+                            {.odometry = "/odom"}),
+              HasSubstr("/odom can be chosen in bags only (--odom)"));
+}
+
+TEST_F(OddLogs, NamesTheCarmenWordThatIsNoRange) {
+  EXPECT_THAT(
+      remarks_about(directory_.write("a.log", "FLASER 3 1,5 2,5 3,5 0 0 0 0 0 0 1 host 1\n")),
+      HasSubstr("FLASER: expected 3 ranges in metres, with a point; at range 0 \"1,5\" is none"));
+}
+
+TEST_F(OddLogs, RefusesCarmenScansOfMoreRangesThanTheyCount) {
+  EXPECT_THAT(remarks_about(directory_.write("a.log", "FLASER 3 1 2 3 4 0 0 0 0 0 0 1 host 1\n")),
+              HasSubstr("FLASER: 10 words behind 3 ranges, expected at most 9"));
+}
+
+TEST_F(OddLogs, TakesNanAndInfOfACarmenLogForNoReturn) {
+  const auto log = read_log(directory_.write("a.log", "FLASER 3 nan inf 3 0 0 0 0 0 0 1 host 1\n"));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_FALSE(log->scans[0].scan.has_return(0));
+  EXPECT_FALSE(log->scans[0].scan.has_return(1));
+  EXPECT_TRUE(log->scans[0].scan.has_return(2));
+}
+
+TEST_F(OddLogs, NamesTheFieldOfViewThatDoesNotFitTheBeams) {
+  EXPECT_THAT(
+      remarks_about(directory_.write(
+          "a.log", "ROBOTLASER1 0 -1.5 3 0.2 30 0.01 0 4 1 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1 h 1\n")),
+      HasSubstr("angle_max does not fit in 1 scans, in the first it is 1.5 rad, where "
+                "angle_min -1.5, angle_increment 0.2 and 4 beams end at -0.9 rad"));
+}
+
+TEST_F(OddLogs, NamesTheCarmenMessagesThatAreNotTaken) {
+  EXPECT_EQ(remarks_about(directory_.write("a.log",
+                                           "FLASER 3 1 2 3 0 0 0 0 0 0 1 host 1\n"
+                                           "RLASER 3 1 2 3 0 0 0 0 0 0 1 host 1\n")),
+            "scans of FLASER only, not of RLASER; --lidar chooses");
 }
 
 }  // namespace

@@ -353,6 +353,61 @@ TEST_F(BagReading, PrefersTheChosenOdometryToTf) {
   EXPECT_NEAR(read(path, {.odometry = "/wheels"}).scans.at(3).T_odom_laser->x, 7.5, 1e-9);
 }
 
+TEST_F(BagReading, LeavesOutATransformThatIsNoneAndTakesTheOthersOfItsMessage) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 5; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back(tf_message(
+        kCdr, stamp, {{"base_link", "camera", NAN, 0.0, 0.0}, {"odom", "laser", 7.0, 0.0, 0.0}}));
+    messages.push_back(scan_message(kCdr, stamp));
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  EXPECT_NEAR(log.scans.at(3).T_odom_laser->x, 7.0, 1e-9);
+  EXPECT_THAT(remarks_, HasSubstr("TFMessage: from base_link to camera: translation nan 0 0.2, "
+                                  "rotation 0 0 0 1 (x y z w), expected finite numbers and a unit "
+                                  "quaternion"));
+}
+
+TEST_F(BagReading, FindsTopicsWithoutTheSlashInFront) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 5; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back(odometry_message(kCdr, stamp, 7.0, 0.0, 0.0, "/wheels"));
+    messages.push_back(scan_message(kCdr, stamp, "/front"));
+    messages.push_back(scan_message(kCdr, stamp, "/rear"));
+  }
+  const auto path = directory_.write("a.mcap", mcap({messages}, ""));
+  const RecordedLog log = read(path, {.lidar = "rear", .odometry = "wheels"});
+  ASSERT_EQ(log.scans.size(), 5U);
+  EXPECT_NEAR(log.scans[3].T_odom_laser->x, 7.0, 1e-9);
+  EXPECT_THAT(remarks_, HasSubstr("scans of /rear only, not of /front"));
+}
+
+TEST_F(BagReading, NamesChosenTopicsThatAreNotThere) {
+  const auto path = directory_.write("a.mcap", mcap(drive(kCdr, 5), ""));
+  read(path, {.odometry = "/wheels"});
+  EXPECT_THAT(remarks_,
+              HasSubstr("no nav_msgs/Odometry of /wheels (--odom), nor of any other topic"));
+  const auto log = LogReader::open(path, {.lidar = "/side"});
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("holds no scan of /side; its topics are"));
+}
+
+TEST_F(BagReading, NamesAnAngleMaxThatContradictsTheIncrement) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 5; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back({stamp, "/scan", "sensor_msgs/msg/LaserScan",
+                        laser_scan(kCdr, stamp, {1.0F, 2.0F, 3.0F, 4.0F}, "laser",
+                                   {.angle_min = 1.0F, .angle_increment = -0.5F})});
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  EXPECT_EQ(log.scans.at(0).scan.angle_increment, -0.5);
+  EXPECT_THAT(remarks_, HasSubstr("angle_max does not fit in 5 scans, in the first it is 1 rad, "
+                                  "where angle_min 1, angle_increment -0.5 and 4 beams end at "
+                                  "-0.5 rad: angle_increment is used, angle_max is not"));
+}
+
 TEST_F(BagReading, TakesAnyFrameAboveTheBaseForOdometry) {
   for (const char* odometry_frame : {"wheel_odom", "world", "r1/dead_reckoning"}) {
     SCOPED_TRACE(odometry_frame);
