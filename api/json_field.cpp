@@ -78,7 +78,19 @@ std::optional<double> JsonField::as_number(double least, double most) const {
 
 std::optional<double> JsonField::as_stamp() const {
   constexpr double kMaxStamp = 1e12;
-  return as_number(-kMaxStamp, kMaxStamp);
+  const double stamp =
+      value_->is_number() ? value_->get<double>() : std::numeric_limits<double>::quiet_NaN();
+  if (std::abs(stamp) <= kMaxStamp) return stamp;
+  fail(std::string("must be a number of seconds from -1e12 to 1e12") +
+       (std::isnan(stamp) ? "" : ": are these milli- or nanoseconds?"));
+  return std::nullopt;
+}
+
+std::optional<double> JsonField::as_heading() const {
+  const auto heading = as_number();
+  if (!heading || std::abs(*heading) <= kMaxHeading) return heading;
+  fail("must be radians within a turn, not " + as_text_of(*heading) + ": are these degrees?");
+  return std::nullopt;
 }
 
 std::optional<double> JsonField::as_number() const {

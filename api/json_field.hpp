@@ -18,6 +18,9 @@ namespace cornerfix::api {
 /// Any place on earth in any projection [m]; beyond, centimetres get lost in a double's digits.
 inline constexpr double kMaxCoordinate = 1e8;
 
+/// A turn, with room for rounding [rad].
+inline constexpr double kMaxHeading = 6.3;
+
 /// A view of a JSON value. The as_…() functions give the value, or nothing after adding to `errors`
 /// what was expected. The value and the errors must outlive it.
 class JsonField {
@@ -52,6 +55,8 @@ class JsonField {
   /// Seconds since any time: from -1e12 to 1e12, where doubles still resolve milliseconds.
   [[nodiscard]] std::optional<double> as_stamp() const;
   [[nodiscard]] std::optional<double> as_number() const;
+  /// Radians within a turn: what is beyond is in degrees.
+  [[nodiscard]] std::optional<double> as_heading() const;
   /// Whole, within [least, most]; 3.0 is whole.
   [[nodiscard]] std::optional<std::uint64_t> as_count(std::uint64_t least,
                                                       std::uint64_t most) const;

@@ -2,6 +2,8 @@
 
 #include <simdjson.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -87,6 +89,39 @@ bool walk(ondemand::value value, DocumentBuilder& builder) {
   return builder.null();
 }
 
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+/// Whether one of the numbers that JSON does not have stands in `text`, in any case.
+bool has_unusual_number(std::string_view text) {
+  constexpr std::array<std::string_view, 3> kNames = {"nan", "inf", "infinity"};
+  std::string word;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    const char c = i < text.size() ? text[i] : ' ';
+    if (is_letter(c)) {
+      if (word.size() <= kNames.back().size()) word.push_back(static_cast<char>(c | 0x20));
+      continue;
+    }
+    if (c != '"' && std::ranges::find(kNames, word) != kNames.end()) return true;
+    word.clear();
+  }
+  return false;
+}
+
+/// What a body may be that is no JSON.
+std::string hint_for(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) {
+    return " It begins with a byte order mark: send UTF-8 without one.";
+  }
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    return " It begins with the byte order mark of UTF-16: send UTF-8 without one.";
+  }
+  if (text.starts_with("\x1f\x8b")) {
+    return " It is packed with gzip: send Content-Encoding: gzip.";
+  }
+  if (has_unusual_number(text)) return " It has no NaN and no Infinity: send null.";
+  return "";
+}
+
 bool malformed(const std::string& why, DocumentBuilder& builder) {
   return builder.fail(make_problem(ErrorCode::kMalformed, "The body is not JSON: " + why));
 }
@@ -109,9 +144,7 @@ bool read_json(std::string_view text, DocumentBuilder& builder) {
     }
     return true;
   } catch (const simdjson::simdjson_error& error) {
-    const bool has_nan = text.find("NaN") != text.npos || text.find("Infinity") != text.npos;
-    const char* hint = has_nan ? " It has no NaN and no Infinity: send null." : "";
-    return malformed(error.what() + std::string(hint), builder);
+    return malformed(error.what() + hint_for(text), builder);
   }
 }
 

@@ -192,16 +192,17 @@ Parsed<std::size_t> parse_whole_number(const char* name, std::string_view text, 
       name, "must be a whole number from " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-}  // namespace
-
-Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format) {
+/// `check` looks at the lidar besides.
+Parsed<PutMapRequest> parse_map_entry(std::string_view body, BodyFormat format,
+                                      void (*check)(const JsonField&)) {
   return parse<PutMapRequest>(
       body, format, {}, {"description", "lidar", "parameters"},
-      [](const JsonField& root, Document& /*document*/, PutMapRequest& request) {
+      [check](const JsonField& root, Document& /*document*/, PutMapRequest& request) {
         if (const auto description = root.find("description")) {
           request.description = description->as_text(kMaxDescriptionBytes);
         }
         if (const auto field = root.find("lidar")) {
+          check(*field);
           if (const auto lidar = read_lidar(*field)) request.lidar_json = lidar_to_json(*lidar);
         }
         if (const auto parameters = root.find("parameters")) {
@@ -210,6 +211,12 @@ Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format) {
           request.parameters_json = parameters->json().dump();
         }
       });
+}
+
+}  // namespace
+
+Parsed<PutMapRequest> parse_put_map(std::string_view body, BodyFormat format) {
+  return parse_map_entry(body, format, check_lidar);
 }
 
 Parsed<MapScansRequest> parse_map_scans(std::string_view body, BodyFormat format,
@@ -255,6 +262,7 @@ Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFor
           request.robot = robot->as_name().value_or("");
         }
         read_maps(root, request.maps);
+        check_lidars(root);
         request.lidars = read_lidars(root);
         request.lidar_json = lidars_to_json(request.lidars);
         if (const auto near = root.find("near")) request.region = read_start_region(*near);
@@ -342,7 +350,8 @@ bool is_put_map_request(std::string_view description, std::string_view lidar_jso
       nlohmann::json(description).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   if (!lidar_json.empty()) body += R"(, "lidar": )" + std::string(lidar_json);
   if (!parameters_json.empty()) body += R"(, "parameters": )" + std::string(parameters_json);
-  const auto parsed = parse_put_map(body + "}", BodyFormat::kJson);
+  const auto parsed =
+      parse_map_entry(body + "}", BodyFormat::kJson, [](const JsonField& /*lidar*/) {});
   const auto* request = std::get_if<PutMapRequest>(&parsed);
   return request != nullptr && request->description == description &&
          request->lidar_json.value_or("") == lidar_json &&

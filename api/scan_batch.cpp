@@ -50,8 +50,12 @@ LaserScan geometry_of(const Lidar& lidar) {
 /// {secs, nsecs} of ROS 1 or {sec, nanosec} of ROS 2.
 std::optional<double> read_ros_stamp(const JsonField& stamp) {
   if (!stamp.expect_object()) return std::nullopt;
-  stamp.expect_members({"secs", "nsecs", "sec", "nanosec"});
   const auto ros1 = stamp.find("secs");
+  if (ros1) {
+    stamp.expect_members({"secs", "nsecs"});
+  } else {
+    stamp.expect_members({"sec", "nanosec"});
+  }
   const auto seconds_field = ros1 ? ros1 : stamp.require("sec", "seconds, with nanosec");
   if (!seconds_field) return std::nullopt;
   const auto nanoseconds_field = stamp.find(ros1 ? "nsecs" : "nanosec");
@@ -62,15 +66,29 @@ std::optional<double> read_ros_stamp(const JsonField& stamp) {
   return *seconds + kNanosecond * static_cast<double>(*nanoseconds);
 }
 
-std::optional<double> read_stamp(const JsonField& scan) {
-  const auto header = scan.find("header");
-  const bool has_header = header && header->expect_object();
-  if (has_header) header->expect_members(kHeaderMembers);
-  if (const auto stamp = scan.find("stamp")) return stamp->as_stamp();
-  if (!header) scan.fail_member("stamp", "is needed: seconds");
-  if (!has_header) return std::nullopt;
-  const auto stamp = header->require("stamp", "{secs, nsecs} or {sec, nanosec}");
+/// The stamp of a scan's header, if it has one, or nothing after an error.
+std::optional<double> read_header_stamp(const JsonField& header, bool is_needed) {
+  if (!header.expect_object()) return std::nullopt;
+  header.expect_members(kHeaderMembers);
+  constexpr const char* kMeaning = "{secs, nsecs} or {sec, nanosec}";
+  const auto stamp = is_needed ? header.require("stamp", kMeaning) : header.find("stamp");
   return stamp ? read_ros_stamp(*stamp) : std::nullopt;
+}
+
+/// `stamp`, or else that of the header. Both may be there when they are the same time.
+std::optional<double> read_stamp(const JsonField& scan) {
+  constexpr double kSameStamp = 1e-3;  // [s]
+  const auto header = scan.find("header");
+  const auto own = scan.find("stamp");
+  const auto of_header = header ? read_header_stamp(*header, !own) : std::nullopt;
+  if (!own && !header) scan.fail_member("stamp", "is needed: seconds");
+  if (!own) return of_header;
+  const auto stamp = own->as_stamp();
+  if (stamp && of_header && !(std::abs(*stamp - *of_header) <= kSameStamp)) {
+    own->fail("must be the time of header.stamp, or one of the two must not be there");
+    return std::nullopt;
+  }
+  return stamp;
 }
 
 /// Whether a scan brings its own angles, and with them its own number of ranges.
@@ -115,6 +133,19 @@ bool read_time_increment(const JsonField& object, double& time_increment) {
   return !field || number;
 }
 
+/// Whether a scan of so many beams can have been taken with the time from beam to beam that
+/// `object` gives.
+bool check_time_increment(const JsonField& object, double time_increment, std::size_t beams) {
+  constexpr double kLongestScan = 10.0;  // [s]; lidars take a second at most.
+  const double seconds = std::abs(time_increment) * static_cast<double>(beams);
+  if (seconds <= kLongestScan || !object.find("time_increment")) return true;
+  const nlohmann::json scan_seconds = seconds;
+  object.fail_member("time_increment",
+                     "must be seconds from beam to beam: " + std::to_string(beams) +
+                         " beams would take " + scan_seconds.dump() + " s, expected at most 10 s");
+  return false;
+}
+
 /// Whether there is a pose or need not be one.
 bool read_pose(const JsonField& scan, const char* name, std::optional<Pose2>& pose) {
   const auto field = scan.find(name);
@@ -154,6 +185,21 @@ bool read_mount(const JsonField& object, Mount& mount) {
                 .pitch = read_tilt(*field, "pitch", false)};
   field->expect_members({"x", "y", "yaw", "roll", "pitch"});
   return true;
+}
+
+/// Fails a mount in millimetres or degrees. Stored ones are not checked.
+void check_mount(const JsonField& object) {
+  constexpr double kLargestRobot = 100.0;  // [m]
+  const auto mount = object.find("mount");
+  if (!mount || !mount->json().is_object()) return;
+  for (const char* name : {"x", "y"}) {
+    const auto field = mount->find(name);
+    if (field && field->json().is_number()) (void)field->as_number(-kLargestRobot, kLargestRobot);
+  }
+  for (const char* name : {"yaw", "roll", "pitch"}) {
+    const auto field = mount->find(name);
+    if (field && field->json().is_number()) (void)field->as_heading();
+  }
 }
 
 /// The same for odometry, which may also be a nav_msgs/Odometry.
@@ -209,7 +255,9 @@ class BatchReader {
     good &= read_geometry(field, lidar != nullptr, out.scan);
     good &= read_ranges(field, index, lidar, out.scan);
     good &= read_time_increment(field, out.time_increment);
+    good &= check_time_increment(field, out.time_increment, out.scan.ranges.size());
     good &= read_mount(field, mount);
+    check_mount(field);
     out.T_base_link_laser = mount.T_base_link_laser;
     good &= read_odometry(field, out.T_odom_base_link);
     if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
@@ -292,6 +340,7 @@ bool choose_lidar(const JsonField& body, const Lidars& lidars, std::optional<Lid
     field->fail("must not be there: each scan names a lidar of the session");
     return false;
   }
+  check_lidar(*field);
   chosen = read_lidar(*field);
   if (chosen && !chosen->beams && known && same_but_beams(*chosen, *known)) chosen = known;
   return chosen.has_value();
@@ -327,6 +376,27 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
   lidar.T_base_link_laser = mount.T_base_link_laser;
   lidar.tilt = mount.tilt;
   return lidar;
+}
+
+void check_lidar(const JsonField& field) {
+  if (!field.json().is_object()) return;
+  check_mount(field);
+  constexpr std::size_t kFewestBeams = 16;  // where it is not given
+  const auto increment = field.find("time_increment");
+  if (!increment || !increment->json().is_number()) return;
+  const auto beams = field.find("beams");
+  const bool is_given = beams && beams->json().is_number_integer() && beams->json() > 0;
+  check_time_increment(field, increment->json().get<double>(),
+                       is_given ? beams->json().get<std::size_t>() : kFewestBeams);
+}
+
+void check_lidars(const JsonField& session) {
+  if (const auto only = session.find("lidar")) check_lidar(*only);
+  const auto named = session.find("lidars");
+  if (!named || !named->json().is_object()) return;
+  for (const auto& [name, unused] : named->json().items()) {
+    if (const auto lidar = named->find(name)) check_lidar(*lidar);
+  }
 }
 
 Lidars read_lidars(const JsonField& session) {

@@ -30,6 +30,12 @@ enum class MapPose { kRefused, kTaken };
 /// Nothing when it is wrong; the field's errors then have the reason.
 [[nodiscard]] std::optional<Lidar> read_lidar(const JsonField& field);
 
+/// Adds an error for what can be read but is no lidar: a mount in millimetres or degrees, a scan of
+/// more than ten seconds. Apart from read_lidar(), which also reads lidars that are stored already.
+void check_lidar(const JsonField& field);
+/// The same for `lidar` or `lidars` of a session.
+void check_lidars(const JsonField& session);
+
 /// `lidar` or `lidars` of a session, or none.
 [[nodiscard]] Lidars read_lidars(const JsonField& session);
 

@@ -9,6 +9,7 @@
 #include "server/batch_digest.hpp"
 #include "server/random_id.hpp"
 #include "server/session_maps.hpp"
+#include "server/start_region_check.hpp"
 
 namespace cornerfix::server {
 
@@ -82,7 +83,8 @@ Result<std::optional<SessionView>> LocalizationService::create(
     if (!info) return info.error();
     map_ids.push_back(info->id);
   }
-  if (auto good = check_region(request.region, request.maps); !good) return good.error();
+  if (auto good = check_start_region(*maps_, request.region, request.maps); !good)
+    return good.error();
   LocalizerState state;
   state.region = request.region;
   const std::string now = settings_.now();
@@ -188,24 +190,14 @@ Result<void> LocalizationService::remove(const std::string& id) {
   return stores_->with_sessions([&](SessionStore& sessions) { return sessions.remove(id); });
 }
 
-Result<void> LocalizationService::check_region(const std::optional<StartRegion>& region,
-                                               const std::vector<std::string>& maps) {
-  if (!region || region->map.empty()) return {};
-  if (maps.empty()) {
-    const auto info = maps_->find(region->map);
-    return info ? Result<void>() : Result<void>(info.error());
-  }
-  if (std::ranges::find(maps, region->map) != maps.end()) return {};
-  return Error{ErrorCode::kInvalidArgument, "must be one of the session's maps", "/near/map"};
-}
-
 Result<SessionView> LocalizationService::reset(const std::string& id,
                                                const std::optional<StartRegion>& region) {
   for (int attempt = 1;; ++attempt) {
     const auto locked = lock(id);
     if (!locked) return locked.error();
     LiveSession& session = **locked;
-    if (auto good = check_region(region, session.record.maps); !good) return good.error();
+    if (auto good = check_start_region(*maps_, region, session.record.maps); !good)
+      return good.error();
     session.is_current = false;  // Until the store has it too.
     LocalizerState forgotten;
     forgotten.region = region;

@@ -144,9 +144,6 @@ class LocalizationService {
   [[nodiscard]] Result<SessionView> view_of(const LiveSession& session);
   [[nodiscard]] Result<LockedSession> lock(const std::string& id);
   [[nodiscard]] Result<void> refresh(LiveSession& session);
-  /// Whether a region's map is one that is searched.
-  [[nodiscard]] Result<void> check_region(const std::optional<StartRegion>& region,
-                                          const std::vector<std::string>& maps);
   [[nodiscard]] Result<void> use_current_maps(LiveSession& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(LiveSession& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();

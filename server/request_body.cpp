@@ -88,6 +88,11 @@ std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& e
       });
   exchange.close |= !is_complete;
   if (is_too_large) return too_large(limit);
+  if (parts.contains("")) {
+    return problem_response(400, "malformed",
+                            "A part of the form has no name, expected name=\"yaml\" in double "
+                            "quotes.");
+  }
   if (is_repeated) return problem_response(400, "malformed", "A part is there twice.");
   if (!is_complete) return problem_response(400, "malformed", "The form cannot be read.");
   return parts;
@@ -141,7 +146,9 @@ std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t
                             std::string("Send an archive as ") + kArchiveType + ".");
   }
   std::string encoding = exchange.raw.get_header_value("Content-Encoding");
-  const bool is_gzip = strcasecmp(encoding.c_str(), "gzip") == 0;
+  // x-gzip is an old name of gzip (RFC 9110, section 8.4.1.3).
+  const bool is_gzip =
+      strcasecmp(encoding.c_str(), "gzip") == 0 || strcasecmp(encoding.c_str(), "x-gzip") == 0;
   if (!is_gzip && !encoding.empty() && strcasecmp(encoding.c_str(), "identity") != 0) {
     Response response = problem_response(415, "unsupported_media_type",
                                          "Content-Encoding is gzip or none, not " + encoding + ".");

@@ -271,6 +271,16 @@ TEST_F(SessionsApiTest, PointsToWhatIsWrongWithNear) {
   refused = client_.post("/v1/sessions", request);
   EXPECT_EQ(refused.status, 422);
   EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near/map");
+  for (const char* map : {"office", ""}) {  // The second is searched in every map.
+    request["map"] = *map == '\0' ? Json(nullptr) : Json(map);
+    request["near"] = {{"x", 1e4}, {"y", 2.0}, {"radius_m", 1.0}};
+    refused = client_.post("/v1/sessions", request);
+    EXPECT_EQ(refused.status, 422) << map;
+    EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near") << map;
+    EXPECT_THAT(refused.json()["detail"].get<std::string>(),
+                HasSubstr("x 10000, y 2 with radius_m 1 lies outside the map office, expected x"))
+        << map;
+  }
   EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
 }
 
@@ -288,6 +298,14 @@ Json halves_of(const Json& scan) {
     rear["ranges"].push_back(ranges[(3 * beams / 4 + i) % beams]);
   }
   return Json::array({front, rear});
+}
+
+TEST_F(SessionsApiTest, RefusesAResetToAPlaceOutsideTheMap) {
+  const std::string id = testing::open_session(client_, "cart-7", "office");
+  const Json near{{"x", 1.0}, {"y", -1e4}, {"radius_m", 5.0}};
+  const Reply refused = client_.post("/v1/sessions/" + id + "/reset", {{"near", near}});
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(refused.json()["errors"][0]["pointer"], "/near");
 }
 
 TEST_F(SessionsApiTest, FindsARobotWithTwoLidars) {

@@ -1,11 +1,16 @@
 #include "unit/api/refused_body.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
+#include <variant>
 
 namespace cornerfix::api {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 // --- A batch of a session -------------------------------------------------------------------
 
@@ -183,6 +188,19 @@ constexpr Case kWrongScans[] = {
      422, "/scans/0/pose"},
     {"UnknownMemberOfHeader", R"({"stamp": 1, "ranges": [1, 2, 3], "header": {"frame": "laser"}})",
      422, "/scans/0/header/frame"},
+    {"StampOfAnotherTimeThanTheHeader",
+     R"({"stamp": 1, "ranges": [1, 2, 3], "header": {"stamp": {"sec": 5, "nanosec": 0}}})", 422,
+     "/scans/0/stamp"},
+    {"RosStampOfBothKinds",
+     R"({"header": {"stamp": {"secs": 1, "nanosec": 5}}, "ranges": [1, 2, 3]})", 422,
+     "/scans/0/header/stamp/nanosec"},
+    {"TimeIncrementOfNoLidar", R"({"stamp": 1, "ranges": [1, 2, 3], "time_increment": 4})", 422,
+     "/scans/0/time_increment"},
+    {"MountInMillimetres",
+     R"({"stamp": 1, "ranges": [1, 2, 3], "mount": {"x": 250, "y": 0, "yaw": 0}})", 422,
+     "/scans/0/mount/x"},
+    {"MountInDegrees", R"({"stamp": 1, "ranges": [1, 2, 3], "mount": {"x": 0, "y": 0, "yaw": 90}})",
+     422, "/scans/0/mount/yaw"},
     {"UnknownMemberOfRosStamp",
      R"({"ranges": [1, 2, 3], "header": {"stamp": {"sec": 1, "nanoseconds": 5}}})", 422,
      "/scans/0/header/stamp/nanoseconds"},
@@ -209,6 +227,38 @@ constexpr Case kWrongScans[] = {
      422, "/scans/0/odom/frame"},
 };
 INSTANTIATE_TEST_SUITE_P(WrongMember, ScansOfABatch, testing::ValuesIn(kWrongScans), case_name);
+
+/// The detail of the problem with a batch.
+std::string detail_of(const std::string& body) {
+  const auto parsed = parse_batch(body);
+  const auto* problem = std::get_if<Problem>(&parsed);
+  return problem != nullptr ? problem->detail : "";
+}
+
+TEST(UnparsableBody, IsNamedForWhatItIs) {
+  const std::string batch = session_batch(R"({"stamp": 1, "ranges": [1, 2, 3]})");
+  EXPECT_THAT(detail_of("\xEF\xBB\xBF" + batch), HasSubstr("begins with a byte order mark"));
+  EXPECT_THAT(detail_of("\xFF\xFE{"), HasSubstr("the byte order mark of UTF-16"));
+  EXPECT_THAT(detail_of("\x1f\x8b\x08"), HasSubstr("send Content-Encoding: gzip"));
+  for (const char* number : {"NaN", "nan", "-inf", "Infinity"}) {
+    const std::string ranges = "[1, " + std::string(number) + ", 3]";
+    EXPECT_THAT(detail_of(session_batch(R"({"stamp": 1, "ranges": )" + ranges + "}")),
+                HasSubstr("It has no NaN and no Infinity: send null."));
+  }
+  EXPECT_THAT(detail_of(R"({"header": {"stamp": {"nanosec": 1,}}})"), Not(HasSubstr("NaN")));
+}
+
+TEST(StampInMilliseconds, IsAskedFor) {
+  EXPECT_THAT(detail_of(session_batch(R"({"stamp": 1700000000000, "ranges": [1, 2, 3]})")),
+              HasSubstr("from -1e12 to 1e12: are these milli- or nanoseconds?"));
+}
+
+TEST(StampBesideAHeader, IsTakenWhenItIsTheSameTime) {
+  EXPECT_EQ(detail_of(session_batch(
+                R"({"stamp": 5.25, "ranges": [1, 2, 3],
+                    "header": {"stamp": {"sec": 5, "nanosec": 250000000}}})")),
+            "");
+}
 
 TEST(NulBytes, AreUnparsable) { expect_problem(parse_batch(std::string(64, '\0')), 400); }
 

@@ -166,9 +166,9 @@ TEST(SessionScans, TakeARos2StampAndKeepTheLidarWhereTheMessageHasNull) {
   EXPECT_TRUE(request.scans.at(0).T_odom_base_link.has_value());
 }
 
-TEST(SessionScans, PreferTheStampBesideAHeader) {
-  const auto request = session_scans(
-      R"({"stamp": 3, "header": {"stamp": {"sec": 5, "nanosec": 0}}, "ranges": [1, 2, 3]})");
+TEST(SessionScans, TakeTheStampBesideAHeaderWithoutOne) {
+  const auto request =
+      session_scans(R"({"stamp": 3, "header": {"frame_id": "laser"}, "ranges": [1, 2, 3]})");
   EXPECT_EQ(request.scans.at(0).scan.stamp, 3.0);
 }
 
