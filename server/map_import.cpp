@@ -71,7 +71,8 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
   if (!floor_map) return at_form(floor_map.error());
   auto report = retrying([&] { return put_floor_map_once(name, *floor_map, progress); });
   if (!report) return report;
-  for (auto note : {thinning_note(yaml, *floor_map), threshold_advice(yaml, image)}) {
+  for (auto note : {thinning_note(yaml, *floor_map), threshold_advice(yaml, image),
+                    unknown_advice(yaml, image)}) {
     if (note) report->warnings.push_back(std::move(*note));
   }
   return report;

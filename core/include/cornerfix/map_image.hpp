@@ -59,6 +59,12 @@ struct MapFiles {
                                                           std::span<const std::byte> image,
                                                           const MapImageLimits& limits = {});
 
+/// A sentence for the map's owner when a free_thresh above map_server's 0.196 makes cells free that
+/// map_saver wrote as unknown: the default of Nav2, 0.25, does. As costly as two parse_map().
+[[nodiscard]] std::optional<std::string> unknown_advice(std::string_view yaml,
+                                                        std::span<const std::byte> image,
+                                                        const MapImageLimits& limits = {});
+
 /// An 8-bit grey png in map_server's trinary colours: occupied 0, free 254, unknown 205. Empty for
 /// a grid without cells.
 [[nodiscard]] std::vector<std::byte> encode_grid_png(const OccupancyGrid& grid);

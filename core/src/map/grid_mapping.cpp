@@ -137,7 +137,9 @@ std::optional<Error> check_grid(const OccupancyGrid& floor_map) {
   }
   if (!has_cell(floor_map, Cell::kFree)) {
     return Error{ErrorCode::kInvalidArgument,
-                 "the floor map has no free cell: check free_thresh, negate and mode", "image"};
+                 "the floor map has no free cell: check free_thresh, negate and mode; transparent "
+                 "pixels are unknown",
+                 "image"};
   }
   if (!has_cell(floor_map, Cell::kOccupied)) {
     return Error{ErrorCode::kInvalidArgument,

@@ -228,6 +228,29 @@ std::optional<std::string> threshold_advice(std::string_view yaml, std::span<con
   return advice;
 }
 
+std::optional<std::string> unknown_advice(std::string_view yaml, std::span<const std::byte> image,
+                                          const MapImageLimits& limits) {
+  constexpr double kFewCells = 0.02;
+  const Result<MapYaml> parsed = parse_map_yaml(yaml);
+  if (!parsed || parsed->free_thresh <= kFreeThreshold || parsed->mode == MapYaml::Mode::kRaw) {
+    return std::nullopt;
+  }
+  MapYaml usual = *parsed;
+  usual.free_thresh = kFreeThreshold;
+  const Result<OccupancyGrid> grid = parse_image(*parsed, image, limits);
+  const Result<OccupancyGrid> fitting = parse_image(usual, image, limits);
+  if (!grid || !fitting) return std::nullopt;
+  const auto free_cells = [](const OccupancyGrid& cells) {
+    return static_cast<double>(std::ranges::count(cells.cells, Cell::kFree));
+  };
+  const double share = (free_cells(*grid) - free_cells(*fitting)) /
+                       static_cast<double>(std::max<std::size_t>(grid->cells.size(), 1));
+  if (share < kFewCells) return std::nullopt;
+  return "at free_thresh " + to_text(parsed->free_thresh) + " " + percent(share) +
+         " of the cells are free that free_thresh " + to_text(kFreeThreshold) +
+         " leaves unknown; map_saver writes unknown cells in such a grey (205)";
+}
+
 std::string encode_grid_yaml(const OccupancyGrid& grid, std::string_view image_name) {
   const Pose2& origin = grid.T_map_grid;
   return "image: " + YAML::Dump(YAML::Node(std::string(image_name))) +

@@ -31,6 +31,9 @@ Error wrong_value(const std::string& expected, const YAML::Node& node, const cha
   return wrong_key(expected + ", not " + value, key);
 }
 
+/// A turn, with room for rounding [rad]. A yaw above is one in degrees.
+constexpr double kLargestYaw = 6.3;
+
 /// Also for a key without a value.
 bool is_missing(const YAML::Node& node) { return !node || node.IsNull(); }
 
@@ -59,6 +62,10 @@ Result<Pose2> parse_origin(const YAML::Node& node) {
   }
   if (std::max(std::abs(values[0]), std::abs(values[1])) > kFarthestOrigin)
     return wrong_value("expected x and y within 1e8 m", node, "origin");
+  if (std::abs(values[2]) > kLargestYaw) {
+    return wrong_value("expected a yaw in radians, within a turn (are these degrees?)", node,
+                       "origin");
+  }
   return Pose2{values[0], values[1], wrap_angle(values[2])};
 }
 
@@ -137,8 +144,11 @@ Result<MapYaml> map_yaml_of(const YAML::Node& root) {
       number(root["free_thresh"], "free_thresh", std::min(kFreeThreshold, *occupied));
   if (!free) return free.error();
   if (*free < 0.0 || *free > *occupied) {
-    return wrong_value("expected a share from 0 to occupied_thresh", root["free_thresh"],
-                       "free_thresh");
+    const YAML::Node& limit = root["occupied_thresh"];
+    const std::string written = is_missing(limit) ? "0.65 when not given" : YAML::Dump(limit);
+    return wrong_value(
+        "expected a share from 0 to occupied_thresh (" + written + ", are the two swapped?)",
+        root["free_thresh"], "free_thresh");
   }
   out.occupied_thresh = *occupied;
   out.free_thresh = *free;
@@ -152,6 +162,11 @@ Result<MapYaml> map_yaml_of(const YAML::Node& root) {
 }  // namespace
 
 Result<MapYaml> parse_map_yaml(std::string_view yaml) {
+  for (const std::string_view image : {"P2", "P5", "\x89PNG", "BM"}) {
+    if (yaml.starts_with(image)) {
+      return no_map_yaml("is an image, expected the yaml: are the two files swapped?");
+    }
+  }
   try {
     // A file system that crashed may leave zeros at the end.
     const std::size_t end = yaml.find_last_not_of('\0') + 1;

@@ -92,9 +92,10 @@ class PngReader {
   int passes_ = 1;
 };
 
-/// A pixel that can be seen through is unknown, but in a raw image.
+/// A pixel that is more transparent than not is unknown, but in a raw image.
 Cell classify_rgba(const MapYaml& yaml, const unsigned char* pixel) {
-  if (pixel[3] != 255 && yaml.mode != MapYaml::Mode::kRaw) return Cell::kUnknown;
+  constexpr unsigned char kHalfOpaque = 128;
+  if (pixel[3] < kHalfOpaque && yaml.mode != MapYaml::Mode::kRaw) return Cell::kUnknown;
   return classify(yaml, (pixel[0] + pixel[1] + pixel[2]) / 3.0 / 255.0);
 }
 

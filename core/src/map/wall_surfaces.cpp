@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -202,6 +203,17 @@ class SurfaceGrid {
   OccupancyGrid grid_;
 };
 
+std::string too_large_text(const OccupancyGrid& floor_map, double resolution_m, double max_cells) {
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "the floor map is too large: %d x %d pixels of %.6g m are %.6g x %.6g m, at most "
+                "%.6g cells of %.6g m are taken; is its resolution in metres per pixel?",
+                floor_map.width, floor_map.height, floor_map.resolution,
+                floor_map.width * floor_map.resolution, floor_map.height * floor_map.resolution,
+                max_cells, resolution_m);
+  return text;
+}
+
 }  // namespace
 
 OccupancyGrid without_grey_rims(OccupancyGrid floor_map) {
@@ -222,8 +234,7 @@ Result<WallSurfaces> find_wall_surfaces(const OccupancyGrid& floor_map, double r
   const bool at_borders = begin_at_borders(floor_map, thickness_m);
   SurfaceGrid surfaces(floor_map, resolution_m, at_borders ? 0.5 : 0.0);
   if (surfaces.cells() > max_cells) {
-    return Error{ErrorCode::kTooLarge,
-                 "the floor map is too large at " + std::to_string(resolution_m) + " m/cell",
+    return Error{ErrorCode::kTooLarge, too_large_text(floor_map, resolution_m, max_cells),
                  "resolution"};
   }
   OccupancyGrid grid =

@@ -225,6 +225,12 @@ TEST(MapImage, ReadsEveryKindOfPng) {
             "#.");
 }
 
+TEST(MapImage, TakesAPixelForUnknownThatIsMoreTransparentThanNot) {
+  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8,
+                                        {bytes({0, 254, 254, 128, 254, 127})}, 3))),
+            "#.?");
+}
+
 TEST(MapImage, ReadsAnInterlacedPng) {
   std::vector<std::string> rows;
   for (int row = 0; row < 9; ++row) {
@@ -435,6 +441,19 @@ TEST(ThresholdAdvice, SaysNothingWhereWallsAreWalls) {
 TEST(ThresholdAdvice, OnlyComplainsWhereNoThresholdHelps) {
   EXPECT_EQ(advice(kYaml, room_pgm(205)),
             "at occupied_thresh 0.65 only 0 % of the border of free space is wall");
+}
+
+TEST(UnknownAdvice, NamesAFreeThresholdThatTakesUnknownForFree) {
+  const std::string yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  const auto advice_for = [&](const std::string& lines, std::initializer_list<int> pixels) {
+    const std::string image = "P5\n4 1\n255\n" + bytes(pixels);
+    return unknown_advice(yaml + lines, std::as_bytes(std::span(image)));
+  };
+  EXPECT_EQ(advice_for("free_thresh: 0.25\n", {0, 205, 205, 254}),
+            "at free_thresh 0.25 50 % of the cells are free that free_thresh 0.196 leaves unknown; "
+            "map_saver writes unknown cells in such a grey (205)");
+  EXPECT_EQ(advice_for("free_thresh: 0.196\n", {0, 205, 205, 254}), std::nullopt);
+  EXPECT_EQ(advice_for("free_thresh: 0.25\n", {0, 254, 254, 254}), std::nullopt);
 }
 
 }  // namespace

@@ -95,5 +95,28 @@ TEST(MapYaml, NamesAThresholdInPercent) {
   EXPECT_EQ(yaml.error().message, "expected a share from 0 to 1, not 65");
 }
 
+TEST(MapYaml, NamesAYawInDegrees) {
+  const auto yaml = parse_map_yaml("image: a.pgm\nresolution: 0.05\norigin: [0, 0, 90]\n");
+  ASSERT_FALSE(yaml.ok());
+  EXPECT_EQ(yaml.error().message,
+            "expected a yaw in radians, within a turn (are these degrees?), not [0, 0, 90]");
+}
+
+TEST(MapYaml, NamesThresholdsThatAreSwapped) {
+  const auto yaml =
+      parse_map_yaml(kLeast + std::string("occupied_thresh: 0.2\nfree_thresh: 0.65\n"));
+  ASSERT_FALSE(yaml.ok());
+  EXPECT_EQ(yaml.error().message,
+            "expected a share from 0 to occupied_thresh (0.2, are the two swapped?), not 0.65");
+}
+
+TEST(MapYaml, NamesAnImageInThePlaceOfTheYaml) {
+  for (const char* image : {"P5\n2 1\n255\n", "\x89PNG\r\n", "BM  "}) {
+    const auto yaml = parse_map_yaml(image);
+    ASSERT_FALSE(yaml.ok());
+    EXPECT_EQ(yaml.error().message, "is an image, expected the yaml: are the two files swapped?");
+  }
+}
+
 }  // namespace
 }  // namespace cornerfix
