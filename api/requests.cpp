@@ -254,6 +254,16 @@ Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat for
       });
 }
 
+Parsed<RollBackRequest> parse_roll_back(std::string_view body, BodyFormat format) {
+  return parse<RollBackRequest>(
+      body, format, {}, {"revision"},
+      [](const JsonField& root, Document& /*document*/, RollBackRequest& request) {
+        constexpr std::uint64_t kMostRevision = std::uint64_t{1} << 53U;
+        if (const auto revision = root.require("revision", "a kept revision of the map"))
+          request.revision = revision->as_count(1, kMostRevision).value_or(0);
+      });
+}
+
 Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFormat format) {
   return parse<CreateSessionRequest>(
       body, format, {}, {"robot", "map", "maps", "lidar", "lidars", "near", "options"},

@@ -74,6 +74,9 @@ struct StampedPose {
 struct TrajectoryRequest {
   std::vector<StampedPose> poses;  ///< At least one, as given, in any order.
 };
+struct RollBackRequest {
+  std::uint64_t revision = 0;
+};
 struct CreateSessionRequest {
   std::string robot;
   std::vector<std::string> maps;  ///< Empty: every map.
@@ -105,6 +108,7 @@ using Parsed = std::variant<T, Problem>;
                                                       const std::optional<Lidar>& lidar,
                                                       const RequestLimits& limits);
 [[nodiscard]] Parsed<TrajectoryRequest> parse_trajectory(std::string_view body, BodyFormat format);
+[[nodiscard]] Parsed<RollBackRequest> parse_roll_back(std::string_view body, BodyFormat format);
 [[nodiscard]] Parsed<CreateSessionRequest> parse_create_session(std::string_view body,
                                                                 BodyFormat format);
 [[nodiscard]] Parsed<ResetRequest> parse_reset(std::string_view body, BodyFormat format);

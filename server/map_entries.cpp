@@ -1,5 +1,9 @@
 #include "server/map_entries.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include "api/revision_codec.hpp"
+
 namespace cornerfix::server {
 
 api::MapEntry entry_of(const storage::MapInfo& info) {
@@ -15,6 +19,20 @@ api::MapEntry entry_of(const storage::MapInfo& info) {
           .updated = info.updated,
           .lidar_json = info.lidar_json,
           .parameters_json = info.parameters_json};
+}
+
+api::Json revisions_of(std::string_view map, const std::vector<storage::MapRevision>& revisions) {
+  std::vector<api::RevisionEntry> entries;
+  for (const storage::MapRevision& revision : revisions) {
+    entries.push_back({.revision = revision.revision,
+                       .digest = revision.digest,
+                       .created = revision.created,
+                       .origin = storage::to_string(revision.origin),
+                       .features = revision.feature_count,
+                       .archive_bytes = revision.archive_bytes,
+                       .is_current = entries.empty()});
+  }
+  return api::render_revisions(map, entries);
 }
 
 api::FloorMapResult entry_of(const FloorMapReport& report) {

@@ -48,6 +48,12 @@ struct FloorMapReport {
   std::vector<std::string> warnings;  ///< What the occupancy map's owner should know.
 };
 
+/// What is known of a revision.
+struct MapVersion {
+  std::string digest;  ///< Empty when the revision is not kept.
+  bool is_current = false;
+};
+
 /// Any threads may call; changes of one map happen one after the other. What a call acknowledged
 /// is on disk, and a call that fails has changed nothing. Other processes may change the same file.
 class MapLibrary {
@@ -94,6 +100,14 @@ class MapLibrary {
   /// stored. kConflict when there is a map of that name.
   [[nodiscard]] Result<storage::MapInfo> restore(std::string_view name,
                                                  std::span<const std::uint8_t> bytes);
+
+  /// The present revision, then the former ones that are kept, newest first.
+  [[nodiscard]] Result<std::vector<storage::MapRevision>> revisions(std::string_view name);
+  /// kNotFound when there is no such map.
+  [[nodiscard]] Result<MapVersion> version(std::string_view name, std::uint64_t revision);
+  /// The content, lidar and parameters of a kept revision become those of a new one; the present
+  /// revision stays as it is. kNotFound, `field` "revision", when it is not kept.
+  [[nodiscard]] Result<storage::MapInfo> roll_back(std::string_view name, std::uint64_t revision);
 
   /// The map's grid as it is to be shown: the occupancy map as it was put, or what scans made.
   /// Empty when the map has neither.
@@ -142,6 +156,8 @@ class MapLibrary {
   [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);
   [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
       std::string_view name, std::span<const api::StampedPose> poses);
+  [[nodiscard]] Result<storage::MapInfo> roll_back_once(std::string_view name,
+                                                        std::uint64_t revision);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);

@@ -189,6 +189,22 @@ class MapRoutes {
     return response;
   }
 
+  Response revisions(const Request& request) {
+    const auto revisions = maps().revisions(request.captures[0]);
+    if (!revisions) return error_response(request, revisions.error());
+    return document_response(request, 200, revisions_of(request.captures[0], *revisions));
+  }
+
+  Response roll_back(const Request& request) {
+    const std::string& name = request.captures[0];
+    const auto parsed = api::parse_roll_back(request.body, request.body_format);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
+    const auto info = maps().roll_back(name, std::get<api::RollBackRequest>(parsed).revision);
+    if (!info) return error_response(request, info.error());
+    return document_response(request, 200, api::render_map(entry_of(*info)));
+  }
+
   Response features(const Request& request) {
     std::optional<Bounds> box;
     if (const auto text = request.parameter("bbox")) {
@@ -332,6 +348,8 @@ void add_map_routes(Router& router, const Services& services) {
   add("POST", "/v1/maps/{map}/scans", Access::kMap, kDocument, &MapRoutes::post_scans);
   add("PUT", "/v1/maps/{map}/trajectory", Access::kMap, kDocument, &MapRoutes::put_trajectory);
   add("PUT", "/v1/maps/{map}/grid", Access::kMap, kForm, &MapRoutes::put_grid);
+  add("GET", "/v1/maps/{map}/revisions", Access::kRead, kIgnored, &MapRoutes::revisions);
+  add("POST", "/v1/maps/{map}/rollback", Access::kMap, kDocument, &MapRoutes::roll_back);
   add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive);
   add("POST", "/v1/maps/{map}/archive", Access::kMap, kArchive, &MapRoutes::post_archive);
   add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features, {"bbox"});

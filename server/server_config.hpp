@@ -13,6 +13,7 @@
 
 #include "api/requests.hpp"
 #include "server/event_log.hpp"
+#include "storage/map_revisions.hpp"
 
 namespace cornerfix::server {
 
@@ -70,6 +71,7 @@ struct ServerConfig {
   std::size_t max_maps = 20'000;  ///< In the database; more are answered 429.
   /// Of the database; above it no map grows and no session begins.
   std::size_t max_database_bytes = std::size_t{64} << 30U;
+  std::size_t kept_revisions = storage::kDefaultKeptRevisions;  ///< Former ones of each map.
   int session_idle_minutes = 30;  ///< Then a session is kept in the database only.
   std::size_t max_session_bytes = std::size_t{2} << 30U;  ///< Of sessions kept in memory.
   std::size_t max_sessions = 100'000;        ///< In the database; more are answered 429.

@@ -101,7 +101,8 @@ JobServiceSettings job_settings(const ServerConfig& config) {
 std::string now_text() { return time_text(SystemClock::now()); }
 
 Result<Services> open_services(const ServerConfig& config, std::function<ServerLoad()> load) {
-  auto stores = StoreAccess::open(config.database);
+  auto stores =
+      StoreAccess::open(config.database, storage::kDefaultBusyTimeoutMs, config.kept_revisions);
   if (!stores) return stores.error();
   Services services;
   services.stores = *stores;

@@ -5,6 +5,7 @@
 #include "api/json_codec.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
+#include "server/used_versions.hpp"
 
 namespace cornerfix::server {
 namespace {
@@ -19,7 +20,7 @@ Json last_answer_json(const SessionView& view) {
   return api::with_points(std::move(answer), *view.last_scan, view.feature_points);
 }
 
-Json session_json(const SessionView& view) {
+Json session_json(const SessionView& view, UsedVersions& versions) {
   const Json answer = last_answer_json(view);
   Json session = api::render_session({.id = view.id,
                                       .robot = view.robot,
@@ -35,6 +36,7 @@ Json session_json(const SessionView& view) {
                                       .last_answer = answer.is_null() ? nullptr : &answer,
                                       .is_damaged = view.is_damaged});
   session["status"] = to_string(view.status);
+  session["map_version"] = versions.of(answer);
   return session;
 }
 
@@ -110,7 +112,7 @@ class SessionRoutes {
     if (!created) return error_response(request, created.error());
     if (!*created) return too_many_sessions(session.robot);
     const SessionView& view = **created;
-    Response response = document_response(request, 201, session_json(view));
+    Response response = document_response(request, 201, one_session(view));
     response.headers.emplace_back("Location", "/v1/sessions/" + view.id);
     return response;
   }
@@ -121,7 +123,8 @@ class SessionRoutes {
     const auto list = service().list(std::get<SessionListRequest>(page));
     if (!list) return error_response(request, list.error());
     Json sessions = Json::array();
-    for (const SessionView& view : list->sessions) sessions.push_back(session_json(view));
+    UsedVersions versions(*services_.maps);
+    for (const SessionView& view : list->sessions) sessions.push_back(session_json(view, versions));
     Json next = list->next ? Json(std::to_string(*list->next)) : Json(nullptr);
     return document_response(
         request, 200,
@@ -133,7 +136,7 @@ class SessionRoutes {
     if (!view) return session_error(request, view.error());
     if (!request.principal.may_see(view->robot)) return forbidden_robot();
     return profiled(request, document_response(request, 200,
-                                               api::session_in_profile(session_json(*view),
+                                               api::session_in_profile(one_session(*view),
                                                                        request.answer_profile)));
   }
 
@@ -152,7 +155,7 @@ class SessionRoutes {
     const auto& reset = std::get<api::ResetRequest>(parsed);
     const auto view = service().reset(request.captures[0], reset.region);
     if (!view) return session_error(request, view.error());
-    return document_response(request, 200, session_json(*view));
+    return document_response(request, 200, one_session(*view));
   }
 
   Response post_scans(const Request& request) {
@@ -212,6 +215,11 @@ class SessionRoutes {
   }
 
  private:
+  Json one_session(const SessionView& view) {
+    UsedVersions versions(*services_.maps);
+    return session_json(view, versions);
+  }
+
   LocalizationService& service() { return *services_.localization; }
 
   std::optional<Response> refuse_foreign(const Request& request) {

@@ -205,6 +205,8 @@ std::vector<Setting> storage_settings() {
               "Maps in the database; more are answered 429"),
       integer("max_database_bytes", &ServerConfig::max_database_bytes, kBytes,
               "Of the database; above it growing maps and new sessions are answered 429"),
+      integer("kept_revisions", &ServerConfig::kept_revisions, {0, 1000},
+              "Former revisions of each map that stay in the database, for a roll-back"),
       integer("max_sessions", &ServerConfig::max_sessions, {1, 100'000'000},
               "Sessions in the database; more are answered 429"),
       integer("max_session_bytes", &ServerConfig::max_session_bytes, kBytes,

@@ -8,22 +8,23 @@ using storage::Database;
 using storage::Synchronous;
 
 Result<std::shared_ptr<StoreAccess>> StoreAccess::open(const std::string& location,
-                                                       int busy_timeout_ms) {
+                                                       int busy_timeout_ms,
+                                                       std::size_t kept_revisions) {
   auto map_database = Database::open(location, Synchronous::kFull, busy_timeout_ms);
   if (!map_database) return map_database.error();
   auto session_database = (*map_database)->open_another(Synchronous::kNormal);
   if (!session_database) return session_database.error();
   if (const auto readable = (*session_database)->probe(); !readable) return readable.error();
-  return std::shared_ptr<StoreAccess>(new StoreAccess(std::move(*map_database),
-                                                      std::move(*session_database),
-                                                      std::chrono::milliseconds(busy_timeout_ms)));
+  return std::shared_ptr<StoreAccess>(
+      new StoreAccess(std::move(*map_database), std::move(*session_database),
+                      std::chrono::milliseconds(busy_timeout_ms), kept_revisions));
 }
 
 StoreAccess::StoreAccess(std::shared_ptr<Database> map_database,
                          std::shared_ptr<Database> session_database,
-                         std::chrono::milliseconds patience)
+                         std::chrono::milliseconds patience, std::size_t kept_revisions)
     : map_database_(std::move(map_database)),
-      maps_(map_database_),
+      maps_(map_database_, kept_revisions),
       session_list_(map_database_),
       jobs_(map_database_),
       patience_(patience),

@@ -31,7 +31,8 @@ namespace cornerfix::server {
 class StoreAccess {
  public:
   [[nodiscard]] static Result<std::shared_ptr<StoreAccess>> open(
-      const std::string& location, int busy_timeout_ms = storage::kDefaultBusyTimeoutMs);
+      const std::string& location, int busy_timeout_ms = storage::kDefaultBusyTimeoutMs,
+      std::size_t kept_revisions = storage::kDefaultKeptRevisions);
 
   /// A file, or a URL without its password.
   [[nodiscard]] const std::string& location() const { return session_database_->location(); }
@@ -107,7 +108,7 @@ class StoreAccess {
  private:
   StoreAccess(std::shared_ptr<storage::Database> map_database,
               std::shared_ptr<storage::Database> session_database,
-              std::chrono::milliseconds patience);
+              std::chrono::milliseconds patience, std::size_t kept_revisions);
 
   [[nodiscard]] static Error busy();
   /// On the locked connection for sessions.

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,8 @@ KeyFrameChain fingerprint_of(const MapInfo& info, const MapArchive& source) {
   for (const std::string_view text : {std::string_view(info.name), std::string_view(info.created),
                                       std::string_view(info.updated)})
     fingerprint.add(text);
+  fingerprint.add(std::string_view(info.revision_created));
+  fingerprint.add(to_string(info.revision_origin));
   fingerprint.add(static_cast<std::uint64_t>(info.id));
   fingerprint.add(std::uint64_t{info.feature_count});
   const Bounds bounds = info.bounds.value_or(Bounds{});
@@ -169,7 +172,25 @@ class Copy {
                          fingerprint_of(*stored, *copy) == fingerprint_of(info, *source);
     if (!is_same) return differs(what);
     ++copied_.maps;
+    if (Result<void> done = copy_revisions(info); !done) return done;
     return copy_content(info);
+  }
+
+  Result<void> copy_revisions(const MapInfo& info) {
+    const std::string what = "map " + info.name;
+    const auto revisions = from_maps_.revisions(info.name);
+    if (!revisions) return revisions.error();
+    if (revisions->front().revision != info.revision) return has_changed(what);
+    for (const MapRevision& revision : std::span(*revisions).subspan(1)) {
+      const auto archive = from_maps_.revision_archive(info.name, revision.revision);
+      if (!archive) return archive.error();
+      const auto kept = to_maps_.insert_revision(info.id, revision, *archive);
+      if (!kept) return kept;
+      const auto copy = to_maps_.revision_archive(info.name, revision.revision);
+      if (!copy) return copy.error();
+      if (*copy != *archive) return differs(what);
+    }
+    return {};
   }
 
   /// What is derived from the map, so that the first robot does not wait for it.

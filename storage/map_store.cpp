@@ -7,31 +7,11 @@
 #include "storage/blob_codec.hpp"
 #include "storage/database.hpp"
 #include "storage/digest.hpp"
+#include "storage/map_source.hpp"
 #include "storage/map_tables.hpp"
 
 namespace cornerfix::storage {
 namespace {
-
-Error unknown_map(std::string_view name) {
-  return Error{ErrorCode::kNotFound, "there is no map named '" + std::string(name) + "'", "map"};
-}
-
-Error deleted_map() { return Error{ErrorCode::kNotFound, "the map has been deleted", "map"}; }
-
-Error other_revision(std::uint64_t revision, std::uint64_t expected) {
-  return Error{ErrorCode::kConflict,
-               "the map is at revision " + std::to_string(revision) + ", expected " +
-                   std::to_string(expected),
-               "revision"};
-}
-
-/// The map if it is still at `revision`.
-Result<MapRow> find_at_revision(MapTables& maps, std::int64_t id, std::uint64_t revision) {
-  std::optional<MapRow> map = maps.find(id);
-  if (!map) return deleted_map();
-  if (map->info.revision != revision) return other_revision(map->info.revision, revision);
-  return std::move(*map);
-}
 
 Error made_from_floor_map() {
   return Error{ErrorCode::kConflict,
@@ -46,16 +26,6 @@ bool replace(std::string& stored, std::optional<std::string_view> value) {
   return true;
 }
 
-/// Appends keyframes to the table and to the row's count and chain.
-void append_key_frames(MapTables& maps, MapRow& map, std::span<const PosedScan> key_frames) {
-  for (const PosedScan& key_frame : key_frames) {
-    const Blob blob = encode_key_frame(key_frame);
-    maps.insert_key_frame(map.info.id, map.info.key_frame_count, blob);
-    map.chain = extend(map.chain, blob);
-    ++map.info.key_frame_count;
-  }
-}
-
 /// Writes all keyframes again; their number is that of before.
 void rewrite_key_frames(MapTables& maps, MapRow& map, std::span<const PosedScan> key_frames) {
   map.chain = {};
@@ -64,41 +34,6 @@ void rewrite_key_frames(MapTables& maps, MapRow& map, std::span<const PosedScan>
     maps.replace_key_frame(map.info.id, ordinal, blob);
     map.chain = extend(map.chain, blob);
   }
-}
-
-/// Gives the map's changed content its new revision and digest.
-void seal_revision(MapRow& map) {
-  ++map.info.revision;
-  map.info.digest = map_digest(map.info.parameters_json, map.chain, map.info.drifts);
-}
-
-Result<std::vector<PosedScan>> read_key_frames(MapTables& maps, const MapInfo& info) {
-  std::vector<PosedScan> key_frames;
-  key_frames.reserve(info.key_frame_count);
-  std::optional<Error> damage;
-  maps.read_key_frames(info.id, [&](BlobView blob) {
-    Result<PosedScan> key_frame = decode_key_frame(blob);
-    if (!key_frame) {
-      damage = key_frame.error();
-      return false;
-    }
-    key_frames.push_back(std::move(*key_frame));
-    return true;
-  });
-  if (damage) return *damage;
-  if (key_frames.size() != info.key_frame_count) {
-    return Error{ErrorCode::kCorruptData,
-                 "the map has " + std::to_string(key_frames.size()) + " key frames, expected " +
-                     std::to_string(info.key_frame_count),
-                 ""};
-  }
-  return key_frames;
-}
-
-/// For a map that has content.
-void set_outline(MapInfo& info, const MapOutline& outline) {
-  info.feature_count = outline.feature_count;
-  info.bounds = outline.bounds;
 }
 
 /// Descriptors of a large map are made again from its features: that is as fast as reading them.
@@ -139,7 +74,8 @@ Result<MapContent> decode_content(const ContentBlobs& blobs) {
 
 }  // namespace
 
-MapStore::MapStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}
+MapStore::MapStore(std::shared_ptr<Database> database, std::size_t kept_revisions)
+    : database_(std::move(database)), kept_revisions_(kept_revisions) {}
 MapStore::~MapStore() = default;
 MapStore::MapStore(MapStore&&) noexcept = default;
 
@@ -181,11 +117,17 @@ Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view
     const bool described = replace(map.info.description, description);
     const bool other_lidar = replace(map.info.lidar_json, lidar_json);
     const bool other_parameters = replace(map.info.parameters_json, parameters_json);
-    if (other_lidar || other_parameters || !stored) seal_revision(map);
+    const bool is_other_content = other_lidar || other_parameters;
+    if (stored && is_other_content) {
+      const auto kept =
+          keep_revision(maps, *stored, {RevisionOrigin::kSettings, now}, kept_revisions_);
+      if (!kept) return kept.error();
+    }
+    if (is_other_content || !stored) seal_revision(map, {RevisionOrigin::kSettings, now});
     if (!stored) {
       map.info.created = map.info.updated = now;
       maps.insert(map);
-    } else if (described || other_lidar || other_parameters) {
+    } else if (described || is_other_content) {
       map.info.updated = now;
       maps.update(map);
     }
@@ -221,6 +163,11 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
     Result<MapRow> map = find_at_revision(maps, map_id, expected_revision);
     if (!map) return map.error();
     if (map->info.has_floor_map) return made_from_floor_map();
+    const RevisionChange change{RevisionOrigin::kScans, now};
+    if (!growth.new_key_frames.empty()) {
+      if (const auto kept = keep_revision(maps, *map, change, kept_revisions_); !kept)
+        return kept.error();
+    }
     maps.insert_stamps(map_id, growth.stamps);
     append_key_frames(maps, *map, growth.new_key_frames);
     MapInfo& info = map->info;
@@ -228,7 +175,7 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
     info.updated = now;
     if (!growth.new_key_frames.empty()) {
       info.drifts = growth.drifts;
-      seal_revision(*map);
+      seal_revision(*map, change);
     }
     maps.update(*map);
     transaction->commit();
@@ -263,11 +210,16 @@ Result<MapInfo> MapStore::put_floor_map(std::string_view name, const FloorMap& f
     if (info.revision != floor_map.expected_revision)
       return other_revision(info.revision, floor_map.expected_revision);
     if (info.has_floor_map && map.chain == hash) return std::move(info);
+    const RevisionChange change{RevisionOrigin::kOccupancyMap, now};
+    if (stored) {
+      if (const auto kept = keep_revision(maps, *stored, change, kept_revisions_); !kept)
+        return kept.error();
+    }
     info.name = name;
     map.chain = hash;
     set_outline(info, floor_map.outline);
     info.updated = now;
-    seal_revision(map);
+    seal_revision(map, change);
     if (!stored) {
       info.created = now;
       info.id = maps.insert(map);
@@ -286,26 +238,7 @@ Result<MapArchive> MapStore::archive(std::string_view name) {
     MapTables& maps = database_->maps();
     const std::optional<MapRow> map = maps.find(name);
     if (!map) return unknown_map(name);
-    const MapInfo& info = map->info;
-    MapArchive archive{.description = info.description,
-                       .lidar_json = info.lidar_json,
-                       .parameters_json = info.parameters_json,
-                       .revision = info.revision,
-                       .digest = info.digest,
-                       .stamps = {},
-                       .key_frames = {},
-                       .drifts = info.drifts,
-                       .floor_map = {}};
-    Result<std::vector<PosedScan>> key_frames = read_key_frames(maps, info);
-    if (!key_frames) return key_frames.error();
-    archive.key_frames = std::move(*key_frames);
-    archive.stamps = maps.stamps(info.id);
-    if (info.has_floor_map) {
-      Result<OccupancyGrid> grid = floor_map(info.id);
-      if (!grid) return grid.error();
-      archive.floor_map = std::move(*grid);
-    }
-    return archive;
+    return archive_of(maps, *map);
   });
 }
 
@@ -314,7 +247,8 @@ Result<MapInfo> MapStore::restore(std::string_view name, const MapArchive& archi
   MapInfo info;
   set_outline(info, outline);
   info.name = name;
-  info.created = info.updated = now;
+  info.created = info.updated = info.revision_created = now;
+  info.revision_origin = RevisionOrigin::kArchive;
   return insert(std::move(info), archive);
 }
 
@@ -333,16 +267,9 @@ Result<MapInfo> MapStore::insert(MapInfo info, const MapArchive& archive) {
     map.info.lidar_json = archive.lidar_json;
     map.info.parameters_json = archive.parameters_json;
     map.info.revision = archive.revision;
-    map.info.drifts = archive.drifts;
     map.info.key_frame_count = 0;
     map.info.id = maps.insert(map);
-    maps.insert_stamps(map.info.id, archive.stamps);
-    append_key_frames(maps, map, archive.key_frames);
-    if (archive.floor_map) {
-      map.info.has_floor_map = true;
-      map.chain = hash_of(*archive.floor_map);
-      maps.put_grid(map.info.id, encode_grid(*archive.floor_map));
-    }
+    insert_source(maps, map, archive);
     map.info.digest = map_digest(archive.parameters_json, map.chain, archive.drifts);
     maps.update(map);
     transaction->commit();
@@ -366,6 +293,9 @@ Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t exp
     MapTables& maps = database_->maps();
     Result<MapRow> map = find_at_revision(maps, map_id, expected_revision);
     if (!map) return map.error();
+    const RevisionChange change{RevisionOrigin::kTrajectory, now};
+    if (const auto kept = keep_revision(maps, *map, change, kept_revisions_); !kept)
+      return kept.error();
     Result<std::vector<PosedScan>> key_frames = read_key_frames(maps, map->info);
     if (!key_frames) return key_frames.error();
     if (T_map_base_link.size() != key_frames->size()) {
@@ -383,7 +313,7 @@ Result<MapInfo> MapStore::move_key_frames(std::int64_t map_id, std::uint64_t exp
     if (!drifted && map->chain == chain_before) return std::move(map->info);  // Nothing has moved.
     if (!key_frames->empty()) set_outline(map->info, outline);
     map->info.updated = now;
-    seal_revision(*map);
+    seal_revision(*map, change);
     maps.update(*map);
     transaction->commit();
     return std::move(map->info);

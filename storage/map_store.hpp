@@ -18,6 +18,7 @@
 #include <cornerfix/result.hpp>
 
 #include "storage/map_archive.hpp"
+#include "storage/map_revisions.hpp"
 
 namespace cornerfix::storage {
 
@@ -41,6 +42,8 @@ struct MapInfo {
   std::string parameters_json;  ///< As given by PUT, or empty; opaque to this module.
   /// The keyframes stand at poses of lidar odometry: their trajectory is yet to be optimised.
   bool drifts = false;
+  std::string revision_created;  ///< RFC 3339, UTC.
+  RevisionOrigin revision_origin = RevisionOrigin::kUnknown;
 };
 
 /// The part of a map's entry that is derived from its content.
@@ -78,8 +81,10 @@ struct StoredContent {
 
 class MapStore {
  public:
-  /// `database` is an open, migrated database; shared with the other stores of the same thread.
-  explicit MapStore(std::shared_ptr<Database> database);
+  /// `database` is an open, migrated database; shared with the other stores of the same thread. Of
+  /// each map at most `kept_revisions` former ones are kept (map_revisions.hpp).
+  explicit MapStore(std::shared_ptr<Database> database,
+                    std::size_t kept_revisions = kDefaultKeptRevisions);
   ~MapStore();
   MapStore(MapStore&&) noexcept;
 
@@ -118,7 +123,8 @@ class MapStore {
   /// Makes a map of an archive, at its revision. kConflict when there is a map of that name.
   [[nodiscard]] Result<MapInfo> restore(std::string_view name, const MapArchive& archive,
                                         const MapOutline& outline, std::string_view now);
-  /// The same with the id, dates, features and bounds of `info`: a copy of another database's map.
+  /// The same with the id, dates, origin, features and bounds of `info`: a copy of another
+  /// database's map.
   [[nodiscard]] Result<MapInfo> insert(MapInfo info, const MapArchive& archive);
 
   /// The occupancy map as it was put; kNotFound for a map that was not made from one.
@@ -130,6 +136,20 @@ class MapStore {
                                                 std::span<const Pose2> T_map_base_link,
                                                 const MapOutline& outline, std::string_view now);
 
+  /// The present revision, then those kept, newest first.
+  [[nodiscard]] Result<std::vector<MapRevision>> revisions(std::string_view name);
+  /// Of a kept revision. kNotFound, `field` "revision", with those that the map has.
+  [[nodiscard]] Result<std::vector<std::uint8_t>> revision_archive(std::string_view name,
+                                                                   std::uint64_t revision);
+  /// Keeps one more, which is a copy from another database.
+  [[nodiscard]] Result<void> insert_revision(std::int64_t map_id, const MapRevision& revision,
+                                             std::span<const std::uint8_t> archive);
+  /// Gives the map the content, lidar and parameters of an archive as its next revision. Its name
+  /// and description stay. kConflict when it is not at `expected_revision`.
+  [[nodiscard]] Result<MapInfo> roll_back(std::int64_t map_id, std::uint64_t expected_revision,
+                                          const MapArchive& archive, const MapOutline& outline,
+                                          std::string_view now);
+
   /// Derived content of the map if it is stored, of any revision; the caller compares revisions.
   [[nodiscard]] Result<std::optional<StoredContent>> content(std::int64_t map_id);
   /// Stores derived content made from `revision`; ignored (no error) when the map has moved on or
@@ -139,6 +159,7 @@ class MapStore {
 
  private:
   std::shared_ptr<Database> database_;
+  std::size_t kept_revisions_;
 };
 
 }  // namespace cornerfix::storage

@@ -62,6 +62,15 @@ class MapTables {
   virtual std::optional<Blob> grid(std::int64_t map) = 0;
   virtual void put_grid(std::int64_t map, BlobView grid) = 0;
 
+  /// Keyframes, stamps and grid.
+  virtual void remove_source(std::int64_t map) = 0;
+
+  virtual std::vector<MapRevision> kept_revisions(std::int64_t map) = 0;  ///< Newest first.
+  virtual std::optional<Blob> revision_archive(std::int64_t map, std::uint64_t revision) = 0;
+  virtual void insert_revision(std::int64_t map, const MapRevision& revision, BlobView archive) = 0;
+  /// All but the newest `kept`.
+  virtual void remove_old_revisions(std::int64_t map, std::size_t kept) = 0;
+
   virtual std::optional<ContentBlobs> content(std::int64_t map) = 0;
   virtual void put_content(std::int64_t map, const ContentBlobs& content) = 0;
   virtual void set_feature_count(std::int64_t map, std::size_t count) = 0;

@@ -536,6 +536,15 @@ class Client:
         reply = self.request("POST", _map_path(name, "/archive"), body, "application/vnd.sqlite3")
         return _from_json(MapEntry, reply.json())
 
+    def map_revisions(self, name: str) -> List[Json]:
+        """The present revision, then the former ones that the server keeps, newest first."""
+        return self.call("GET", _map_path(name, "/revisions"))["revisions"]
+
+    def roll_back(self, name: str, revision: int) -> MapEntry:
+        """Makes the content of a kept revision that of a new one, which is returned."""
+        body = {"revision": revision}
+        return _from_json(MapEntry, self.call("POST", _map_path(name, "/rollback"), body))
+
     def localize(
         self, name: str, scans: Sequence[Scan], *, options: Optional[Json] = None
     ) -> Answer:

@@ -11,7 +11,8 @@ namespace {
 const std::string kSelectMaps =
     "SELECT id, name, description, revision, digest, key_frame_count, feature_count, min_x, min_y, "
     "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, "
-    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts FROM maps ";
+    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts, "
+    "revision_created, revision_origin FROM maps ";
 
 /// Keyframes that are read in one round trip.
 constexpr std::int64_t kKeyFramesPerRead = 500;
@@ -41,6 +42,8 @@ MapRow read_map_row(const PostgresqlRows& rows, int row) {
   std::copy_n(chain.begin(), std::min(chain.size(), map.chain.size()), map.chain.begin());
   map.info.has_floor_map = rows.boolean(row, 16);
   map.info.drifts = rows.boolean(row, 17);
+  map.info.revision_created = rows.text(row, 18);
+  map.info.revision_origin = revision_origin_from(rows.text(row, 19));
   return map;
 }
 
@@ -76,11 +79,13 @@ class PostgresqlMapTables : public MapTables {
     const MapInfo& info = map.info;
     const PostgresqlRows rows = connection_.execute(
         "INSERT INTO maps (id, name, description, revision, digest, key_frame_chain, "
-        "key_frame_count, feature_count, created, updated, lidar_json, parameters_json, drifts) "
+        "key_frame_count, feature_count, created, updated, lidar_json, parameters_json, drifts, "
+        "revision_created, revision_origin) "
         "VALUES (coalesce(nullif($1, 0), nextval('maps_id_seq')), $2, $3, $4, $5, $6, 0, 0, $7, "
-        "$8, $9, $10, false) RETURNING id",
+        "$8, $9, $10, false, $11, $12) RETURNING id",
         info.id, info.name, utf8_bytes(info.description), info.revision, info.digest,
-        BlobView(map.chain), info.created, info.updated, info.lidar_json, info.parameters_json);
+        BlobView(map.chain), info.created, info.updated, info.lidar_json, info.parameters_json,
+        info.revision_created, to_string(info.revision_origin));
     return rows.integer(0, 0);
   }
 
@@ -93,12 +98,13 @@ class PostgresqlMapTables : public MapTables {
     (void)connection_.execute(
         "UPDATE maps SET description = $1, revision = $2, digest = $3, key_frame_chain = $4, "
         "key_frame_count = $5, feature_count = $6, min_x = $7, min_y = $8, max_x = $9, "
-        "max_y = $10, updated = $11, lidar_json = $12, parameters_json = $13, drifts = $14 "
-        "WHERE id = $15",
+        "max_y = $10, updated = $11, lidar_json = $12, parameters_json = $13, drifts = $14, "
+        "revision_created = $15, revision_origin = $16 WHERE id = $17",
         utf8_bytes(info.description), info.revision, info.digest, BlobView(map.chain),
         info.key_frame_count, info.feature_count, bound(bounds.min.x()), bound(bounds.min.y()),
         bound(bounds.max.x()), bound(bounds.max.y()), info.updated, info.lidar_json,
-        info.parameters_json, info.drifts, info.id);
+        info.parameters_json, info.drifts, info.revision_created, to_string(info.revision_origin),
+        info.id);
   }
 
   bool remove(std::string_view name) override {
@@ -173,6 +179,52 @@ class PostgresqlMapTables : public MapTables {
         "INSERT INTO map_grids (map_id, grid) VALUES ($1, $2) "
         "ON CONFLICT (map_id) DO UPDATE SET grid = excluded.grid",
         map, grid);
+  }
+
+  void remove_source(std::int64_t map) override {
+    for (const char* sql :
+         {"DELETE FROM key_frames WHERE map_id = $1", "DELETE FROM map_stamps WHERE map_id = $1",
+          "DELETE FROM map_grids WHERE map_id = $1"})
+      (void)connection_.execute(sql, map);
+  }
+
+  std::vector<MapRevision> kept_revisions(std::int64_t map) override {
+    const PostgresqlRows rows = connection_.execute(
+        "SELECT revision, digest, created, origin, feature_count, octet_length(archive)::bigint "
+        "FROM map_revisions WHERE map_id = $1 ORDER BY revision DESC",
+        map);
+    std::vector<MapRevision> revisions;
+    for (int row = 0; row < rows.size(); ++row) {
+      revisions.push_back({.revision = rows.number(row, 0),
+                           .digest = rows.text(row, 1),
+                           .created = rows.text(row, 2),
+                           .origin = revision_origin_from(rows.text(row, 3)),
+                           .feature_count = rows.number(row, 4),
+                           .archive_bytes = rows.number(row, 5)});
+    }
+    return revisions;
+  }
+
+  std::optional<Blob> revision_archive(std::int64_t map, std::uint64_t revision) override {
+    const PostgresqlRows rows = connection_.execute(
+        "SELECT archive FROM map_revisions WHERE map_id = $1 AND revision = $2", map, revision);
+    if (rows.empty()) return std::nullopt;
+    return rows.copy(0, 0);
+  }
+
+  void insert_revision(std::int64_t map, const MapRevision& revision, BlobView archive) override {
+    (void)connection_.execute(
+        "INSERT INTO map_revisions (map_id, revision, digest, created, origin, feature_count, "
+        "archive) VALUES ($1, $2, $3, $4, $5, $6, $7)",
+        map, revision.revision, revision.digest, revision.created, to_string(revision.origin),
+        revision.feature_count, archive);
+  }
+
+  void remove_old_revisions(std::int64_t map, std::size_t kept) override {
+    (void)connection_.execute(
+        "DELETE FROM map_revisions WHERE map_id = $1 AND revision NOT IN (SELECT revision "
+        "FROM map_revisions WHERE map_id = $1 ORDER BY revision DESC LIMIT $2)",
+        map, kept);
   }
 
   std::optional<ContentBlobs> content(std::int64_t map) override {

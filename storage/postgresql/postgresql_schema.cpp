@@ -133,7 +133,27 @@ CREATE TABLE job_inputs (
 );
 )sql";
 
-constexpr std::array<const char*, 2> kPostgresqlMigrations = {kCreateTables, kCreateJobTables};
+// When the present revision was made and how ('' where that is not known), and former revisions as
+// map archives.
+constexpr const char* kKeepMapRevisions = R"sql(
+ALTER TABLE maps ADD COLUMN revision_created TEXT NOT NULL DEFAULT '';
+ALTER TABLE maps ADD COLUMN revision_origin TEXT NOT NULL DEFAULT '';
+UPDATE maps SET revision_created = updated;
+
+CREATE TABLE map_revisions (
+  map_id        BIGINT NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  revision      BIGINT NOT NULL,
+  digest        TEXT   NOT NULL,
+  created       TEXT   NOT NULL,
+  origin        TEXT   NOT NULL,
+  feature_count BIGINT NOT NULL,
+  archive       BYTEA  NOT NULL,
+  PRIMARY KEY (map_id, revision)
+);
+)sql";
+
+constexpr std::array<const char*, 3> kPostgresqlMigrations = {kCreateTables, kCreateJobTables,
+                                                              kKeepMapRevisions};
 
 /// Whether the schema has a table of versions. Not by to_regclass(): it may answer from before the
 /// lock was taken.

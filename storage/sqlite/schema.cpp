@@ -155,9 +155,29 @@ CREATE TABLE job_inputs (
 ) STRICT;
 )sql";
 
-constexpr std::array<const char*, 8> kMigrations = {
-    kCreateTables, kCreateMapGrids, kAddDrift,     kRememberMapsAndBeams,
-    kRememberUse,  kRememberBatch,  kCreateTokens, kCreateJobs};
+// When the present revision was made and how ('' where that is not known), and former revisions as
+// map archives.
+constexpr const char* kKeepRevisions = R"sql(
+ALTER TABLE maps ADD COLUMN revision_created TEXT NOT NULL DEFAULT '';
+ALTER TABLE maps ADD COLUMN revision_origin TEXT NOT NULL DEFAULT '';
+UPDATE maps SET revision_created = updated;
+
+CREATE TABLE map_revisions (
+  id            INTEGER PRIMARY KEY,
+  map_id        INTEGER NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  revision      INTEGER NOT NULL,
+  digest        TEXT    NOT NULL,
+  created       TEXT    NOT NULL,
+  origin        TEXT    NOT NULL,
+  feature_count INTEGER NOT NULL,
+  archive       BLOB    NOT NULL,
+  UNIQUE (map_id, revision)
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 9> kMigrations = {
+    kCreateTables,  kCreateMapGrids, kAddDrift,   kRememberMapsAndBeams, kRememberUse,
+    kRememberBatch, kCreateTokens,   kCreateJobs, kKeepRevisions};
 
 }  // namespace
 

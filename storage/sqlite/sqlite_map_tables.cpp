@@ -10,7 +10,8 @@ namespace {
 const std::string kSelectMap =
     "SELECT id, name, description, revision, digest, key_frame_count, feature_count, min_x, min_y, "
     "max_x, max_y, created, updated, lidar_json, parameters_json, key_frame_chain, "
-    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts FROM maps ";
+    "EXISTS (SELECT 1 FROM map_grids WHERE map_id = maps.id), drifts, "
+    "revision_created, revision_origin FROM maps ";
 
 std::optional<Bounds> read_bounds(const Statement& row) {
   if (row.is_null(7)) return std::nullopt;
@@ -35,6 +36,8 @@ MapRow read_map(const Statement& row) {
   std::copy_n(chain.begin(), std::min(chain.size(), map.chain.size()), map.chain.begin());
   map.info.has_floor_map = row.integer(16) != 0;
   map.info.drifts = row.integer(17) != 0;
+  map.info.revision_created = row.text(18);
+  map.info.revision_origin = revision_origin_from(row.text(19));
   return map;
 }
 
@@ -78,10 +81,12 @@ class SqliteMapTables : public MapTables {
     const MapInfo& info = map.info;
     Statement(database_,
               "INSERT INTO maps (id, name, description, revision, digest, key_frame_chain, "
-              "key_frame_count, feature_count, created, updated, lidar_json, parameters_json) "
-              "VALUES (nullif(?, 0), ?, ?, ?, ?, ?, 0, 0, ?, ?, ?, ?)")
+              "key_frame_count, feature_count, created, updated, lidar_json, parameters_json, "
+              "revision_created, revision_origin) "
+              "VALUES (nullif(?, 0), ?, ?, ?, ?, ?, 0, 0, ?, ?, ?, ?, ?, ?)")
         .bind(info.id, info.name, info.description, info.revision, info.digest, BlobView(map.chain),
-              info.created, info.updated, info.lidar_json, info.parameters_json)
+              info.created, info.updated, info.lidar_json, info.parameters_json,
+              info.revision_created, to_string(info.revision_origin))
         .run();
     return database_.last_row_id();
   }
@@ -95,11 +100,13 @@ class SqliteMapTables : public MapTables {
     Statement(database_,
               "UPDATE maps SET description = ?, revision = ?, digest = ?, key_frame_chain = ?, "
               "key_frame_count = ?, feature_count = ?, min_x = ?, min_y = ?, max_x = ?, max_y = ?, "
-              "updated = ?, lidar_json = ?, parameters_json = ?, drifts = ? WHERE id = ?")
+              "updated = ?, lidar_json = ?, parameters_json = ?, drifts = ?, "
+              "revision_created = ?, revision_origin = ? WHERE id = ?")
         .bind(info.description, info.revision, info.digest, BlobView(map.chain),
               info.key_frame_count, info.feature_count, bound(bounds.min.x()),
               bound(bounds.min.y()), bound(bounds.max.x()), bound(bounds.max.y()), info.updated,
-              info.lidar_json, info.parameters_json, std::int64_t{info.drifts ? 1 : 0}, info.id)
+              info.lidar_json, info.parameters_json, std::int64_t{info.drifts ? 1 : 0},
+              info.revision_created, to_string(info.revision_origin), info.id)
         .run();
   }
 
@@ -159,6 +166,52 @@ class SqliteMapTables : public MapTables {
   void put_grid(std::int64_t map, BlobView grid) override {
     Statement(database_, "INSERT OR REPLACE INTO map_grids (map_id, grid) VALUES (?, ?)")
         .bind(map, grid)
+        .run();
+  }
+
+  void remove_source(std::int64_t map) override {
+    for (const char* sql :
+         {"DELETE FROM key_frames WHERE map_id = ?", "DELETE FROM map_stamps WHERE map_id = ?",
+          "DELETE FROM map_grids WHERE map_id = ?"})
+      Statement(database_, sql).bind(map).run();
+  }
+
+  std::vector<MapRevision> kept_revisions(std::int64_t map) override {
+    Statement row(database_,
+                  "SELECT revision, digest, created, origin, feature_count, length(archive) "
+                  "FROM map_revisions WHERE map_id = ? ORDER BY revision DESC");
+    std::vector<MapRevision> revisions;
+    for (row.bind(map); row.step();) {
+      revisions.push_back({.revision = row.number(0),
+                           .digest = row.text(1),
+                           .created = row.text(2),
+                           .origin = revision_origin_from(row.text(3)),
+                           .feature_count = row.number(4),
+                           .archive_bytes = row.number(5)});
+    }
+    return revisions;
+  }
+
+  std::optional<Blob> revision_archive(std::int64_t map, std::uint64_t revision) override {
+    Statement row(database_, "SELECT archive FROM map_revisions WHERE map_id = ? AND revision = ?");
+    if (!row.bind(map, revision).step()) return std::nullopt;
+    return copy_of(row.blob(0));
+  }
+
+  void insert_revision(std::int64_t map, const MapRevision& revision, BlobView archive) override {
+    Statement(database_,
+              "INSERT INTO map_revisions (map_id, revision, digest, created, origin, "
+              "feature_count, archive) VALUES (?, ?, ?, ?, ?, ?, ?)")
+        .bind(map, revision.revision, revision.digest, revision.created, to_string(revision.origin),
+              revision.feature_count, archive)
+        .run();
+  }
+
+  void remove_old_revisions(std::int64_t map, std::size_t kept) override {
+    Statement(database_,
+              "DELETE FROM map_revisions WHERE map_id = ? AND revision NOT IN (SELECT revision "
+              "FROM map_revisions WHERE map_id = ? ORDER BY revision DESC LIMIT ?)")
+        .bind(map, map, kept)
         .run();
   }
 

@@ -94,6 +94,10 @@ class RealServerTest(unittest.TestCase):
         with self.assertRaises(Problem) as raised:
             self.put_willow()
         self.assertEqual(raised.exception.code, "conflict")
+        before = self.client.map_revisions("willow")[0]
+        self.client.put_map("willow", lidar=LIDAR)
+        rolled = self.client.roll_back("willow", before["revision"])
+        self.assertEqual((rolled.revision, rolled.digest), (before["revision"] + 2, before["digest"]))
         self.client.put_map("office", description="Second floor", lidar=LIDAR)
         self.assertEqual([each.name for each in self.client.maps()], ["office", "willow"])
         self.assertEqual(self.client.map("office").description, "Second floor")

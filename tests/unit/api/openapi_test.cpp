@@ -103,6 +103,8 @@ TEST(Openapi, HasEveryCallOfTheContract) {
                        "post /v1/maps/{map}/scans",
                        "put /v1/maps/{map}/trajectory",
                        "put /v1/maps/{map}/grid",
+                       "get /v1/maps/{map}/revisions",
+                       "post /v1/maps/{map}/rollback",
                        "get /v1/maps/{map}/archive",
                        "post /v1/maps/{map}/archive",
                        "get /v1/maps/{map}/features",

@@ -121,6 +121,25 @@ TEST_P(DatabaseCopy, CopiesEveryMap) {
   EXPECT_TRUE(is_same(target.content(office).value()->content, sample_content(5)));
 }
 
+TEST_P(DatabaseCopy, CopiesFormerRevisions) {
+  ASSERT_NO_FATAL_FAILURE(fill_source());
+  MapStore source(from_);
+  ASSERT_TRUE(source.put("office", std::nullopt, std::nullopt, "other", "t3"));
+  ASSERT_TRUE(copy_database(from_, to_));
+  MapStore target(to_);
+  const std::vector<MapRevision> from = source.revisions("office").value();
+  const std::vector<MapRevision> to = target.revisions("office").value();
+  ASSERT_EQ(from.size(), 2U);
+  ASSERT_EQ(to.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(to[i].revision, from[i].revision);
+    EXPECT_EQ(to[i].digest, from[i].digest);
+    EXPECT_EQ(to[i].created, from[i].created);
+    EXPECT_EQ(to[i].origin, from[i].origin);
+    EXPECT_EQ(to[i].archive_bytes, from[i].archive_bytes);
+  }
+}
+
 TEST_P(DatabaseCopy, CopiesEverySessionAndToken) {
   ASSERT_NO_FATAL_FAILURE(fill_source());
   const auto copied = copy_database(from_, to_);
