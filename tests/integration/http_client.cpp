@@ -16,7 +16,7 @@ std::string lower_case(std::string text) {
 }
 
 Reply to_reply(const httplib::Result& result) {
-  if (!result) return {};
+  if (!result) return {0, {}, httplib::to_string(result.error())};
   Reply reply{result->status, {}, result->body};
   for (const auto& [name, value] : result->headers) reply.headers.emplace(lower_case(name), value);
   return reply;

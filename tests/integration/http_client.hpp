@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 using HeaderMap = std::multimap<std::string, std::string>;
 
 struct Reply {
-  int status = 0;     ///< 0: the connection failed.
+  int status = 0;     ///< 0: the connection failed, and `body` names the error.
   HeaderMap headers;  ///< Names in lower case.
   std::string body;
 

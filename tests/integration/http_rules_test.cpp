@@ -117,7 +117,8 @@ TEST_F(HttpRulesTest, LimitsABodyByLength) {
       client_.send("PUT", "/v1/maps/office", std::string(kMaxBody + 1, ' '), "application/json"),
       413);
   const std::string fits = R"({"description": ")" + std::string(100, 'x') + "\"}";
-  EXPECT_EQ(client_.send("PUT", "/v1/maps/office", fits, "application/json").status, 201);
+  const Reply reply = client_.send("PUT", "/v1/maps/office", fits, "application/json");
+  EXPECT_EQ(reply.status, 201) << reply.body;
 }
 
 TEST_F(HttpRulesTest, LimitsABodyWhateverItPromises) {

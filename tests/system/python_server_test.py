@@ -202,7 +202,7 @@ class RealServerTest(unittest.TestCase):
         self.assertEqual((answer.status, answer.given), ("localized", "near"))
         with Robot(self.server.url, "robot-7", map="willow") as robot:
             robot.add(self.scans[0])
-            robot.reset(near=Near(truth.x + 20.0, truth.y, 2.0))
+            robot.reset(near=Near(truth.x - 20.0, truth.y, 2.0))
             answer = self.drive(robot, self.scans)[-1]
         self.assertEqual((answer.status, answer.reason), ("collecting", "prior_contradicted"))
 

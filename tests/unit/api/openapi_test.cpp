@@ -221,6 +221,7 @@ TEST(Openapi, HasRequestExamplesThatAreTaken) {
       {"putMap", [&](auto& body) { expect_taken(parse_put_map(body, json), body); }},
       {"postMapScans",
        [&](auto& body) { expect_taken(parse_map_scans(body, json, lidar, {}), body); }},
+      {"rollBack", [&](auto& body) { expect_taken(parse_roll_back(body, json), body); }},
       {"putTrajectory", [&](auto& body) { expect_taken(parse_trajectory(body, json), body); }},
       {"localize", [&](auto& body) { expect_taken(parse_localize(body, json, {}), body); }},
       {"createSession", [&](auto& body) { expect_taken(parse_create_session(body, json), body); }},
