@@ -38,7 +38,8 @@ std::vector<Result<void>> write_changes(StoreAccess& stores,
         return sessions.update(changes);
       });
   if (written) return std::move(*written);
-  return std::vector<Result<void>>(changes.size(), Result<void>(written.error()));
+  std::vector<Result<void>> failed(changes.size(), Result<void>(written.error()));
+  return failed;
 }
 
 Error no_such_session(const std::string& id) {

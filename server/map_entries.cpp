@@ -23,6 +23,7 @@ api::MapEntry entry_of(const storage::MapInfo& info) {
 
 api::Json revisions_of(std::string_view map, const std::vector<storage::MapRevision>& revisions) {
   std::vector<api::RevisionEntry> entries;
+  entries.reserve(revisions.size());
   for (const storage::MapRevision& revision : revisions) {
     entries.push_back({.revision = revision.revision,
                        .digest = revision.digest,

@@ -184,8 +184,7 @@ class Copy {
     for (const MapRevision& revision : std::span(*revisions).subspan(1)) {
       const auto archive = from_maps_.revision_archive(info.name, revision.revision);
       if (!archive) return archive.error();
-      const auto kept = to_maps_.insert_revision(info.id, revision, *archive);
-      if (!kept) return kept;
+      if (auto kept = to_maps_.insert_revision(info.id, revision, *archive); !kept) return kept;
       const auto copy = to_maps_.revision_archive(info.name, revision.revision);
       if (!copy) return copy.error();
       if (*copy != *archive) return differs(what);

@@ -72,6 +72,7 @@ class PostgresqlJobTables : public JobTables {
     const PostgresqlRows rows =
         connection_.execute(sql.c_str(), page.after, std::min(page.limit, kMost));
     std::vector<JobRecord> jobs;
+    jobs.reserve(static_cast<std::size_t>(rows.size()));
     for (int row = 0; row < rows.size(); ++row) jobs.push_back(read_job_row(rows, row));
     return jobs;
   }

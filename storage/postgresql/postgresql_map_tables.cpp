@@ -194,6 +194,7 @@ class PostgresqlMapTables : public MapTables {
         "FROM map_revisions WHERE map_id = $1 ORDER BY revision DESC",
         map);
     std::vector<MapRevision> revisions;
+    revisions.reserve(static_cast<std::size_t>(rows.size()));
     for (int row = 0; row < rows.size(); ++row) {
       revisions.push_back({.revision = rows.number(row, 0),
                            .digest = rows.text(row, 1),

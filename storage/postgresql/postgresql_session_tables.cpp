@@ -65,6 +65,7 @@ class PostgresqlSessionTables : public SessionTables {
         "ORDER BY number FOR UPDATE",
         ids);
     std::vector<SessionHead> heads;
+    heads.reserve(static_cast<std::size_t>(rows.size()));
     for (int row = 0; row < rows.size(); ++row) {
       heads.push_back({.id = rows.text(row, 0),
                        .number = rows.integer(row, 1),

@@ -98,8 +98,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> neighboring_pairs(
       pairs.push_back(std::minmax(by_x[at], other));
   }
   std::ranges::sort(pairs);
-  const auto repeated = std::ranges::unique(pairs);
-  pairs.erase(repeated.begin(), repeated.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
 
