@@ -1,5 +1,6 @@
 #include "server/checkpoints.hpp"
 
+#include <SQLiteCpp/Database.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -86,6 +87,26 @@ TEST_F(CheckpointsTest, GoesOnFromTheStoredBatchAfterACrash) {
   answer(process_, alone, batch(6));
   const std::string expected = answer(process_, alone, batch(7));
   EXPECT_EQ(answer(next, id, batch(7)).substr(id.size()), expected.substr(alone.size()));
+}
+
+TEST_F(CheckpointsTest, TakesNoBatchBeyondTheIntervalWhileTheDatabaseRefuses) {
+  Process process = with_interval(milliseconds(1));
+  const std::string id = create(process);
+  SQLite::Database database(file().string(), SQLite::OPEN_READWRITE);
+  database.exec(
+      "CREATE TRIGGER refusal BEFORE UPDATE ON sessions BEGIN SELECT RAISE(ABORT, 'no'); END");
+  std::uint64_t taken = 0;
+  while (taken < drive_.scans.size() && process.localization.post_scans(id, batch(taken, 1)))
+    ++taken;
+  ASSERT_GT(taken, 0U);
+  ASSERT_LT(taken, drive_.scans.size());
+  EXPECT_EQ(stored(id), 0U);
+
+  database.exec("DROP TRIGGER refusal");
+  answer(process, id, batch(taken, 1));
+  const auto deadline = Clock::now() + kDeadline;
+  while (stored(id) <= taken && Clock::now() < deadline) std::this_thread::yield();
+  EXPECT_EQ(stored(id), taken + 1);
 }
 
 TEST_F(CheckpointsTest, KeepsUnstoredBatchesWhenAMapChanges) {
