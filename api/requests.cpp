@@ -406,7 +406,7 @@ Parsed<std::size_t> parse_page_limit(std::string_view text) {
   return parse_whole_number("limit", text, 1, kMaxPageLimit);
 }
 
-Parsed<std::size_t> parse_session_page_token(std::string_view text) {
+Parsed<std::size_t> parse_number_page_token(std::string_view text) {
   constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::int64_t>::max());
   auto token = parse_whole_number("page_token", text, 0, kMost);
   if (std::holds_alternative<std::size_t>(token)) return token;

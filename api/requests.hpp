@@ -145,8 +145,8 @@ using Parsed = std::variant<T, Problem>;
 [[nodiscard]] Parsed<Bounds> parse_bbox(std::string_view text);
 /// `limit` of a query: 1 to 1000.
 [[nodiscard]] Parsed<std::size_t> parse_page_limit(std::string_view text);
-/// `page_token` of a query for sessions, as the page before gave it.
-[[nodiscard]] Parsed<std::size_t> parse_session_page_token(std::string_view text);
+/// `page_token` of a query for sessions or jobs, as the page before gave it.
+[[nodiscard]] Parsed<std::size_t> parse_number_page_token(std::string_view text);
 /// `wait` of a query: 0 to 60 [s].
 [[nodiscard]] Parsed<std::size_t> parse_wait(std::string_view text);
 

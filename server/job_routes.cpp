@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/job_codec.hpp"
+#include "server/page_query.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 
@@ -9,8 +10,6 @@ namespace {
 
 using storage::JobRecord;
 using storage::JobStatus;
-
-constexpr std::size_t kDefaultJobPage = 100;
 
 api::JobEntry entry_of(const JobRecord& job) {
   return {.id = job.id,
@@ -27,34 +26,17 @@ api::JobEntry entry_of(const JobRecord& job) {
           .has_result = job.status == JobStatus::kSucceeded};
 }
 
-/// `limit` and `page_token` of the query.
-std::variant<storage::JobPage, api::Problem> job_page(const Request& request) {
-  storage::JobPage page{.limit = kDefaultJobPage};
-  if (const auto text = request.parameter("limit")) {
-    const auto limit = api::parse_page_limit(*text);
-    if (const auto* problem = std::get_if<api::Problem>(&limit)) return *problem;
-    page.limit = std::get<std::size_t>(limit);
-  }
-  if (const auto text = request.parameter("page_token")) {
-    const auto token = api::parse_session_page_token(*text);
-    if (const auto* problem = std::get_if<api::Problem>(&token)) return *problem;
-    page.after = static_cast<std::int64_t>(std::get<std::size_t>(token));
-  }
-  return page;
-}
-
 class JobRoutes {
  public:
   explicit JobRoutes(Services services) : services_(std::move(services)) {}
 
   Response list(const Request& request) {
-    const auto parsed = job_page(request);
+    const auto parsed = page_query(request);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
-    storage::JobPage page = std::get<storage::JobPage>(parsed);
-    const std::size_t limit = page.limit++;
-    auto jobs = services_.jobs->list(page);
+    const auto& page = std::get<PageQuery>(parsed);
+    auto jobs = services_.jobs->list({.after = page.after, .limit = page.limit + 1});
     if (!jobs) return error_response(request, jobs.error());
-    const bool has_more = jobs->size() > limit;
+    const bool has_more = jobs->size() > page.limit;
     if (has_more) jobs->pop_back();
     std::vector<api::JobEntry> entries;
     for (const JobRecord& job : *jobs) entries.push_back(entry_of(job));

@@ -3,6 +3,7 @@
 #include "api/answer_history.hpp"
 #include "api/answer_profiles.hpp"
 #include "api/json_codec.hpp"
+#include "server/page_query.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
 #include "server/used_versions.hpp"
@@ -56,26 +57,6 @@ Response answer_response(const Request& request, const std::string& answer) {
                                     api::in_profile(Json::parse(answer), request.answer_profile)));
 }
 
-constexpr std::size_t kDefaultPage = 100;
-
-/// `limit` and `page_token` of the query.
-std::variant<SessionListRequest, api::Problem> list_request(const Request& request) {
-  SessionListRequest page{.limit = kDefaultPage};
-  // A robot sees its own only.
-  if (request.principal.role == Role::kRobot) page.robot = request.principal.name;
-  if (const auto text = request.parameter("limit")) {
-    const auto limit = api::parse_page_limit(*text);
-    if (const auto* problem = std::get_if<api::Problem>(&limit)) return *problem;
-    page.limit = std::get<std::size_t>(limit);
-  }
-  if (const auto text = request.parameter("page_token")) {
-    const auto token = api::parse_session_page_token(*text);
-    if (const auto* problem = std::get_if<api::Problem>(&token)) return *problem;
-    page.after = static_cast<std::int64_t>(std::get<std::size_t>(token));
-  }
-  return page;
-}
-
 /// The problem for an error of a session's call.
 Response session_error(const Request& request, const Error& error) {
   Response response = error_response(request, error);
@@ -118,9 +99,14 @@ class SessionRoutes {
   }
 
   Response list(const Request& request) {
-    const auto page = list_request(request);
-    if (const auto* problem = std::get_if<api::Problem>(&page)) return problem_response(*problem);
-    const auto list = service().list(std::get<SessionListRequest>(page));
+    const auto parsed = page_query(request);
+    if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
+    const auto& page = std::get<PageQuery>(parsed);
+    // A robot sees its own only.
+    const bool is_robot = request.principal.role == Role::kRobot;
+    const auto list = service().list({.robot = is_robot ? request.principal.name : std::string(),
+                                      .after = page.after,
+                                      .limit = page.limit});
     if (!list) return error_response(request, list.error());
     Json sessions = Json::array();
     UsedVersions versions(*services_.maps);
