@@ -144,6 +144,19 @@ Result<void> check_file(const fs::path& path, int busy_timeout_ms) {
   return is_open_elsewhere ? check_with_companions(path, false, busy_timeout_ms) : sound;
 }
 
+/// The journal mode after the change to WAL. SQLite does not wait for other connections here, in
+/// spite of its time-out, so this does.
+std::string switch_to_wal(SQLite::Database& connection, int busy_timeout_ms) {
+  constexpr int kPauseMs = 10;
+  for (int waited_ms = 0;; waited_ms += sqlite3_sleep(kPauseMs)) {
+    try {
+      return connection.execAndGet("PRAGMA journal_mode = WAL").getString();
+    } catch (const SQLite::Exception& exception) {
+      if (exception.getErrorCode() != SQLITE_BUSY || waited_ms >= busy_timeout_ms) throw;
+    }
+  }
+}
+
 Error at_path(Error error, const fs::path& path) {
   error.field = path.string();
   return error;
@@ -186,8 +199,7 @@ Result<std::shared_ptr<SqliteDatabase>> SqliteDatabase::open(const fs::path& pat
     if (Result<void> done = migrate(database->connection(), migrations()); !done) {
       return done.error();
     }
-    const std::string mode =
-        database->connection().execAndGet("PRAGMA journal_mode = WAL").getString();
+    const std::string mode = switch_to_wal(database->connection(), busy_timeout_ms);
     if (mode != "wal") {
       return Error{ErrorCode::kUnavailable, "this file system cannot hold a WAL database", ""};
     }
