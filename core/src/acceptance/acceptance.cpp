@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
+#include <vector>
 
 namespace cornerfix {
 namespace {
@@ -38,38 +39,84 @@ double probability_below_half(double changed, double unchanged) {
   return std::max(kLeast, Eigen::betainc(a, b, half)(0));
 }
 
-/// Share of the poses `shifted`, and of the one that block `i` favours, that do not match what is
-/// in the block as the favoured pose does.
-double distinctiveness(std::size_t i, double middle_llr, const EvidenceScore& rival,
-                       std::span<const EvidenceScore* const> shifted) {
-  const auto copies = std::ranges::count_if(shifted, [&](const EvidenceScore* one) {
-    return one != &rival && static_cast<double>(one->block_llr[i]) > middle_llr;
-  });
-  return 1.0 - static_cast<double>(copies) / (1.0 + static_cast<double>(shifted.size()));
+/// What a block in which two poses differ says of them.
+struct BlockDifference {
+  double llr = 0.0;     ///< Of the favoured pose less that of the other one [nat].
+  double weight = 1.0;  ///< Share of the copies of the place that do not match the block.
+  int matching = 0;     ///< Other poses that match the block as the favoured one does.
+  bool favours_best = false;
+};
+
+std::vector<BlockDifference> differences_of(const EvidenceScore& best, const EvidenceScore& rival,
+                                            std::span<const OtherPose> others) {
+  const auto shifted = std::ranges::count_if(others, &OtherPose::is_shifted);
+  std::vector<BlockDifference> blocks;
+  for (std::size_t i = 0; i < std::min(best.block_llr.size(), rival.block_llr.size()); ++i) {
+    const auto best_llr = static_cast<double>(best.block_llr[i]);
+    const auto rival_llr = static_cast<double>(rival.block_llr[i]);
+    BlockDifference block{.llr = std::abs(best_llr - rival_llr),
+                          .favours_best = best_llr > rival_llr};
+    int copies = 0;
+    for (const OtherPose& other : others) {
+      if (other.score == &rival) continue;
+      if (static_cast<double>(other.score->block_llr[i]) <= 0.5 * (best_llr + rival_llr)) continue;
+      ++block.matching;
+      if (other.is_shifted) ++copies;
+    }
+    block.weight -= copies / (1.0 + static_cast<double>(shifted));
+    blocks.push_back(block);
+  }
+  return blocks;
+}
+
+/// Effective numbers of blocks that favour each of two poses: n = (sum w d)^2 / sum w d^2, shared
+/// as the sums of w d are.
+struct BlockNumbers {
+  double for_best = 0.0;
+  double for_rival = 0.0;
+  double scale = 0.0;  ///< Blocks per nat of w d.
+
+  explicit BlockNumbers(std::span<const BlockDifference> blocks) {
+    double squares = 0.0;
+    for (const BlockDifference& block : blocks) {
+      (block.favours_best ? for_best : for_rival) += block.weight * block.llr;
+      squares += block.weight * block.llr * block.llr;
+    }
+    if (squares <= 0.0) return;
+    scale = (for_best + for_rival) / squares;
+    for_best *= scale;
+    for_rival *= scale;
+  }
+};
+
+/// What the blocks say beyond a sign test, which takes it that a block that changed matches one of
+/// the two poses as probably as the other [nat]; >= 0. The probability of a coincidence is that of
+/// Laplace's rule of succession: of the `others`, as many match the block, and each block that
+/// favours the rival is one coincidence that happened.
+double coincidence_log_odds(std::span<const BlockDifference> blocks, const BlockNumbers& numbers,
+                            std::size_t others) {
+  double sum = 0.0;
+  for (const BlockDifference& block : blocks) {
+    const double coincidence = (block.matching + numbers.for_rival + 1.0) /
+                               (static_cast<double>(others) + numbers.for_rival + 2.0);
+    const double log_odds = std::max(0.0, -std::log(2.0 * coincidence));
+    sum += (block.favours_best ? 1.0 : -1.0) * block.weight * block.llr * log_odds;
+  }
+  return std::max(0.0, numbers.scale * sum);
 }
 
 }  // namespace
 
 double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival,
-                      std::span<const EvidenceScore* const> shifted) {
-  double favouring_best = 0.0;
-  double favouring_rival = 0.0;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < std::min(best.block_llr.size(), rival.block_llr.size()); ++i) {
-    const auto best_llr = static_cast<double>(best.block_llr[i]);
-    const auto rival_llr = static_cast<double>(rival.block_llr[i]);
-    const double difference = std::abs(best_llr - rival_llr);
-    const double weight = distinctiveness(i, 0.5 * (best_llr + rival_llr), rival, shifted);
-    (best_llr > rival_llr ? favouring_best : favouring_rival) += weight * difference;
-    squares += weight * difference * difference;
-  }
-  if (squares <= 0.0) return 0.0;
-  // Sums become effective numbers: n = (sum w d)^2 / sum w d^2, shared as the sums are.
-  const double scale = (favouring_best + favouring_rival) / squares;
-  const double for_best = scale * favouring_best;
-  const double for_rival = scale * favouring_rival;
-  return std::log(probability_below_half(for_rival, for_best)) -
-         std::log(probability_below_half(for_best, for_rival));
+                      std::span<const OtherPose> others) {
+  const std::vector<BlockDifference> blocks = differences_of(best, rival, others);
+  const BlockNumbers numbers(blocks);
+  if (numbers.scale <= 0.0) return 0.0;
+  const auto others_than_rival = static_cast<std::size_t>(
+      std::ranges::count_if(others, [&](const OtherPose& other) { return other.score != &rival; }));
+  return std::log(probability_below_half(numbers.for_rival, numbers.for_best)) -
+         std::log(probability_below_half(numbers.for_best, numbers.for_rival)) +
+         coincidence_log_odds(blocks, numbers, others_than_rival);
 }
 
 double chance_significance(const EvidenceScore& best, double free_area_m2) {

@@ -17,17 +17,26 @@
 
 namespace cornerfix {
 
+/// Another candidate than the two that are compared.
+struct OtherPose {
+  const EvidenceScore* score = nullptr;
+  /// Whether it has the heading of the best pose and its map. Where the building repeats, such
+  /// poses are copies of the place.
+  bool is_shifted = false;
+};
+
 /// Logarithm of the odds that the best pose is correct and not the rival, by the blocks in which
 /// they differ [nat]. Each block that differs favours one of the poses. A block favours the wrong
-/// pose when what stands there has changed, with an unknown probability below one half, uniformly
-/// distributed. Blocks count by their effective number, as in EvidenceScore::independent_hits. 0
-/// without differences.
-/// \param shifted  Scores of the other poses with the heading of the best, the rival among them or
-/// not: where the building repeats, these are the copies of the place. A block counts by the share
-/// of the copies that do not match it, because stock, doors and furniture match by chance in as
-/// many copies. O(blocks * shifted).
+/// pose when what stands there has changed and matches that pose by coincidence. The probability of
+/// a change is unknown, uniformly distributed below one half. That of the coincidence is estimated
+/// per block, by the other poses that the block matches and by the blocks that favour the rival; it
+/// counts up to one half. Blocks count by their effective number, as in
+/// EvidenceScore::independent_hits. 0 without differences. O(blocks * others).
+/// \param others  All other poses; the rival may be among them. A block counts by the share of the
+/// shifted ones that do not match it, because stock, doors and furniture match by chance in as many
+/// copies of the place.
 [[nodiscard]] double rival_log_odds(const EvidenceScore& best, const EvidenceScore& rival,
-                                    std::span<const EvidenceScore* const> shifted = {});
+                                    std::span<const OtherPose> others = {});
 
 /// Negative logarithm of the expected number of poses that explain as many independent hits by
 /// chance [nat]. It is the independent hits times the relative entropy of the explained share,

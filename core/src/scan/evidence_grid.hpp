@@ -17,10 +17,10 @@ namespace cornerfix {
 
 struct EvidenceGridParams {
   double resolution_m = 0.2;  ///< One end point a cell; > 0.
-  double max_range_m = 15.0;  ///< Beams count up to here; a longer one passes up to here; > 0.
+  double max_range_m = 30.0;  ///< Beams count up to here; a longer one passes up to here; > 0.
   double min_beam_spacing_rad =
       0.0122;              ///< Beams nearer than this to the last one are skipped; >= 0.
-  double extent_m = 60.0;  ///< Side of the square that is kept; > 0.
+  double extent_m = 96.0;  ///< Side of the square that is kept; > 0.
 };
 
 /// Points that stand for what was seen, in the frame of the grid's scans.

@@ -58,25 +58,25 @@ AcceptanceTerms Candidates::terms(double depth) const { return terms(depth, unse
 AcceptanceTerms Candidates::terms(double depth, std::size_t unsearched_maps) const {
   double margin = margin_without_rivals(depth);
   std::vector<double> log_odds;
-  const std::vector<const EvidenceScore*> shifted = scores_of_shifted();
+  const std::vector<OtherPose> others = other_poses();
   for (const Candidate& rival : all().subspan(1)) {
     margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
-    log_odds.push_back(rival_log_odds(best().score, rival.score, shifted));
+    log_odds.push_back(rival_log_odds(best().score, rival.score, others));
   }
   if (unsearched_maps > 0) log_odds.push_back(-std::log(static_cast<double>(unsearched_maps)));
   return weigh(best().score, margin, log_odds, free_area_m2_);
 }
 
-std::vector<const EvidenceScore*> Candidates::scores_of_shifted() const {
+std::vector<OtherPose> Candidates::other_poses() const {
   constexpr double kSameHeading = 0.05;  // [rad]
-  std::vector<const EvidenceScore*> scores;
+  std::vector<OtherPose> others;
   for (const Candidate& one : all().subspan(1)) {
     const bool is_shifted =
         one.map == best().map &&
         angle_between(one.T_map_base_link, best().T_map_base_link) < kSameHeading;
-    if (is_shifted) scores.push_back(&one.score);
+    others.push_back({&one.score, is_shifted});
   }
-  return scores;
+  return others;
 }
 
 AcceptanceTerms Candidates::terms_without_rivals(double depth) const {

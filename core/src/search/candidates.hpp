@@ -78,8 +78,8 @@ class Candidates {
  private:
   [[nodiscard]] bool acceptable(const AcceptanceTerms& terms) const;
   [[nodiscard]] AcceptanceTerms terms(double depth, std::size_t unsearched_maps) const;
-  /// Of the rivals with the heading of the best, in its map.
-  [[nodiscard]] std::vector<const EvidenceScore*> scores_of_shifted() const;
+  /// All but the best.
+  [[nodiscard]] std::vector<OtherPose> other_poses() const;
   [[nodiscard]] double margin_without_rivals(double depth) const;
   Candidate* find(std::size_t map, const Pose2& T_map_base_link);
 

@@ -33,6 +33,7 @@ constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may
 constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
 constexpr double kMinMirrorWeight = 0.1;  // of a mirror image that explains what was seen [nat]
 constexpr double kMirrorBudgets = 0.5;    // work of a search for it, in budgets of one scan
+constexpr double kMirrorLogOdds = 2.3;    // that what was seen must have against its image [nat]
 constexpr double kMirrorMargin = 0.05;    // by which what was seen must fit better than its image
 
 double free_area_of(GlobalSearch::Maps maps) {
@@ -400,8 +401,10 @@ bool GlobalSearch::mirror_image_fits_better(Maps maps, const View& view) const {
       [&](const Place& place) {
         const Pose2 T_map_base_link =
             refined_coarse_to_fine(map.index().field, image.evidence.ends, place.T_map_base_link);
-        return score_evidence(map.index().classes, image.evidence, T_map_base_link).fit >=
-               best.score.fit - kMirrorMargin * best.score.ends;
+        const EvidenceScore score =
+            score_evidence(map.index().classes, image.evidence, T_map_base_link);
+        return score.fit >= best.score.fit - kMirrorMargin * best.score.ends ||
+               rival_log_odds(best.score, score) < kMirrorLogOdds;
       });
 }
 

@@ -139,7 +139,7 @@ TEST(RivalLogOdds, WhatOtherCopiesOfThePlaceMatchTooCountsLess) {
   const EvidenceScore rival = matching({false, false, false, false, false, false, false, false});
   const EvidenceScore half = matching({true, false, true, false, true, false, true, false});
   const EvidenceScore other_half = matching({false, true, false, true, false, true, false, true});
-  const std::vector<const EvidenceScore*> copies{&rival, &half, &other_half};
+  const std::vector<OtherPose> copies{{&rival, true}, {&half, true}, {&other_half, true}};
   const double alone = rival_log_odds(best, rival);
   const double among_copies = rival_log_odds(best, rival, copies);
   EXPECT_LT(among_copies, 0.85 * alone);
@@ -147,12 +147,33 @@ TEST(RivalLogOdds, WhatOtherCopiesOfThePlaceMatchTooCountsLess) {
   EXPECT_NEAR(among_copies, std::log(std::exp2(0.75 * 8.0 + 1.0) - 1.0), 1e-6);
 }
 
-TEST(RivalLogOdds, WhatNoOtherCopyMatchesCountsInFull) {
+TEST(RivalLogOdds, WhatHalfOfTheOtherPosesMatchIsLeftToTheSignTest) {
   const EvidenceScore best = matching({true, true, true, true});
   const EvidenceScore rival = matching({false, false, false, false});
-  const EvidenceScore copy = rival;
-  const std::vector<const EvidenceScore*> copies{&rival, &copy};
-  EXPECT_NEAR(rival_log_odds(best, rival, copies), rival_log_odds(best, rival), 1e-9);
+  const EvidenceScore copy = matching({true, true, true, true});
+  const EvidenceScore other = matching({false, false, false, false});
+  // One of two matches each block: as probable as the sign test has it.
+  const std::vector<OtherPose> turned{{&rival, false}, {&copy, false}, {&other, false}};
+  EXPECT_NEAR(rival_log_odds(best, rival, turned), rival_log_odds(best, rival), 1e-9);
+}
+
+TEST(RivalLogOdds, WhatNoOtherPoseMatchesIsNoCoincidence) {
+  const EvidenceScore best = matching({true, true, true, true});
+  const EvidenceScore rival = matching({false, false, false, false});
+  const EvidenceScore other = rival;
+  const std::vector<OtherPose> others{{&rival, false}, {&other, false}, {&other, false}};
+  // Four blocks, each with a coincidence of (0 + 1) / (2 + 2) instead of one half.
+  EXPECT_NEAR(rival_log_odds(best, rival, others),
+              rival_log_odds(best, rival) + 4.0 * std::log(2.0), 1e-9);
+}
+
+TEST(RivalLogOdds, BlocksThatFavourTheRivalMakeCoincidencesProbable) {
+  const EvidenceScore best = matching({true, true, true, true, true, true, false, false});
+  const EvidenceScore rival = matching({false, false, false, false, false, false, true, true});
+  const EvidenceScore other = matching({false, false, false, false, false, false, false, false});
+  const std::vector<OtherPose> others{{&rival, false}, {&other, false}};
+  // Two coincidences happened: (0 + 2 + 1) / (1 + 2 + 2) is above one half.
+  EXPECT_NEAR(rival_log_odds(best, rival, others), rival_log_odds(best, rival), 1e-9);
 }
 
 TEST(RivalLogOdds, AreFiniteForThousandsOfBlocks) {

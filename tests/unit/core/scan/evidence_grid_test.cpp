@@ -151,9 +151,9 @@ TEST(EvidenceGrid, WhatIsFreeIsFree) {
 }
 
 TEST(EvidenceGrid, ALongBeamPassesButDoesNotEnd) {
-  const SceneBuilder wall = SceneBuilder().wall({20.0, -20.0}, {20.0, 20.0});
+  const SceneBuilder wall = SceneBuilder().wall({35.0, -20.0}, {35.0, 20.0});
   EvidenceGrid grid;
-  grid.add(scan_at(wall, {}), {});
+  grid.add(scan_at(wall, {}, 60.0), {});
   const Evidence evidence = grid.collect();
   EXPECT_TRUE(evidence.ends.empty());
   EXPECT_FALSE(evidence.free.empty());
