@@ -19,6 +19,8 @@ constexpr std::size_t kEnoughPoints = 30;  // of a scan that may overrule odomet
 
 // Scans that were lost make an interval this many times longer; more are a pause.
 constexpr double kMaxIntervalRatio = 3.0;
+// Between scans without odometry: after more, a robot may be farther than a match can find it.
+constexpr double kMaxUnobserved = 1.5;  // [s]
 // Odometry that does not change while the robot moved by this much from scan to scan may hang.
 constexpr double kLeastMotion = 0.02;  // [m]
 constexpr double kLeastTurn = 0.02;    // [rad]
@@ -66,6 +68,12 @@ void Localizer::Impl::move_along(const RobotScan& robot_scan, const std::vector<
   const LaserMoment last_moment{T_base_link_laser, stamp_before, before};
   // This scan begins the submap, wherever it is.
   if (submap.empty()) return note_velocity(last_moment);
+  const bool has_odometry = prediction.odometry && odometry_monitor.use() != OdometryUse::kIgnored;
+  const bool is_unobserved = !has_odometry && robot_scan.scan.stamp - stamp_before > kMaxUnobserved;
+  if (accepted && is_unobserved) {
+    restart_submap(Withdrawal::kScansLost);
+    return;
+  }
   Pose2 now_at = prediction.likely.T_frame_base_link;
   Eigen::Matrix3d noise = prediction.likely.information.inverse();
   if (!points.empty()) {

@@ -84,6 +84,29 @@ TEST(LocalizerInterruptions, NewMapsBeginASuspendedSearchAnew) {
   EXPECT_EQ(localizer.process(moments[1].scan).reason, Reason::kSearching);
 }
 
+/// Answers to `moments`, the last of them `pause_s` later than it was driven.
+Answer answer_after_a_pause(std::vector<Moment> moments, double pause_s) {
+  moments.back().scan.scan.stamp += pause_s;
+  Localizer localizer = localizer_with_budget(1e6);
+  const std::vector<Answer> answers = answers_of(localizer, moments);
+  EXPECT_EQ(answers[answers.size() - 2].status, Status::kLocalized);
+  return answers.back();
+}
+
+/// Whether the pose continues that of the first acceptance.
+bool is_continuous(const Answer& answer) { return answer.pose && answer.pose->epoch == 1; }
+
+TEST(LocalizerInterruptions, APauseWithoutOdometryEndsThePose) {
+  std::vector<Moment> moments = room_run(60);
+  for (Moment& moment : moments) moment.scan.T_odom_base_link.reset();
+  EXPECT_TRUE(is_continuous(answer_after_a_pause(moments, 1.0)));
+  EXPECT_FALSE(is_continuous(answer_after_a_pause(moments, 3.0)));
+}
+
+TEST(LocalizerInterruptions, APauseWithOdometryDoesNot) {
+  EXPECT_TRUE(is_continuous(answer_after_a_pause(room_run(60), 3.0)));
+}
+
 /// A corridor of 40 m with recesses at irregular distances, and a lidar that does not see its ends.
 SceneBuilder corridor() {
   SceneBuilder scene;
