@@ -19,8 +19,10 @@ constexpr double kWay = 3.0;
 constexpr double kRareGrowth = 2.5;  // where corners speak
 constexpr double kRareWay = 6.0;
 
-constexpr std::size_t kMaxPlacesPerMap =
-    64;  // judged in one search; poses below the last are unsearched
+// Judged in one search of a map; poses below the last are unsearched. More when the best candidate
+// is acceptable but for them, as in a building of equal rooms.
+constexpr std::size_t kMaxPlacesPerMap = 64;
+constexpr std::size_t kMaxPlacesToAccept = 256;
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
 // In units of WorkBudget: one candidate refined and scored, one map searched by corners.
 constexpr std::size_t kWorkPerCandidate = 20'000;
@@ -300,7 +302,10 @@ bool GlobalSearch::search_map(std::size_t map, const View& view, WorkBudget& bud
                  PlaceSearchParams{.region = whole.region});
   }
   double least = whole.best - margin_to_look_at();
-  while (look->places < kMaxPlacesPerMap) {
+  const auto max_places = [&] {
+    return candidates_.may_be_accepted() ? kMaxPlacesToAccept : kMaxPlacesPerMap;
+  };
+  while (look->places < kMaxPlacesPerMap || look->places < max_places()) {
     least = whole.best - margin_to_look_at();
     const std::optional<Place> place = look->run.next(least, budget);
     if (place) {
