@@ -129,9 +129,9 @@ void Submap::rebuild_about(const Point2& center) {
 
 RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior,
                           const Pose2& start) const {
-  const RefinedPose coarse = refine_pose(field_, points_base_link, start,
-                                         {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
-  return refine_pose(field_, points_base_link, coarse.T_frame_base_link,
+  const Pose2 coarse = aligned_pose(field_, points_base_link, start,
+                                    {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
+  return refine_pose(field_, points_base_link, coarse,
                      {.kernel_m = kFineKernel, .max_iterations = 6}, prior);
 }
 

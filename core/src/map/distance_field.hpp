@@ -44,10 +44,23 @@ class DistanceField {
     return kStep * static_cast<double>(steps_[index(static_cast<int>(x), static_cast<int>(y))]);
   }
 
+  /// Four cell centres about a point, in units of kStep: `lower[0]` is at the column and row asked
+  /// for, `lower[1]` at the next column, `upper` at the next row.
+  struct Square {
+    const std::uint8_t* lower;
+    const std::uint8_t* upper;
+  };
+  /// Column in [0, width - 1), row in [0, height - 1).
+  [[nodiscard]] Square square(int column, int row) const {
+    const std::uint8_t* lower = &steps_[index(column, row)];
+    return {lower, lower + width_};
+  }
+
   [[nodiscard]] const Pose2& T_grid_frame() const {
     return T_grid_frame_;
   }  ///< From `map` or `submap`.
   [[nodiscard]] double resolution() const { return resolution_; }
+  [[nodiscard]] double cells_per_metre() const { return inverse_resolution_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   /// Row-major, in units of kStep.

@@ -49,6 +49,12 @@ struct RefinedPose {
                                       const ScanRefinerParams& params,
                                       const std::optional<PosePrior>& prior = std::nullopt);
 
+/// The pose of refine_pose() alone, which costs less.
+[[nodiscard]] Pose2 aligned_pose(const DistanceField& field,
+                                 std::span<const Point2> points_base_link,
+                                 const Pose2& T_frame_base_link, const ScanRefinerParams& params,
+                                 const std::optional<PosePrior>& prior = std::nullopt);
+
 /// Information of x, y, yaw from points matched to walls, along the axes of the frame, without any
 /// prior. Singular where they do not constrain the pose (along a bare corridor). O(points).
 [[nodiscard]] Eigen::Matrix3d observed_information(const DistanceField& field,

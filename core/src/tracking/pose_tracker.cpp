@@ -157,11 +157,10 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   ScanRefinerParams correction = kCorrection;
   correction.sigma_point_m /= std::sqrt(share);
   const Pose2 start = best_start(map.index().field, known, T_map_base_link_, covariance_);
-  const RefinedPose refined = refine_pose(map.index().field, known, start, correction, prior);
-  const EvidenceScore fit =
-      score_evidence(map.index().classes, {known, {}}, refined.T_frame_base_link);
+  const Pose2 aligned = aligned_pose(map.index().field, known, start, correction, prior);
+  const EvidenceScore fit = score_evidence(map.index().classes, {known, {}}, aligned);
   if (known_share >= kMinKnown && fit.matched >= kMinFitShare) {
-    T_map_base_link_ = refined.T_frame_base_link;
+    T_map_base_link_ = aligned;
     if (distance_m_ >= kLeastDistance) {
       covariance_ = (prior.information +
                      information_of(map.index().field, known, T_map_base_link_, correction))
