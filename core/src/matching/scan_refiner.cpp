@@ -41,7 +41,8 @@ struct PointBlock {
 };
 
 /// T is base_link in frame `grid`. At most kBlock points.
-void look_up(const DistanceField& field, std::span<const Point2> points, const Pose2& T,
+template <typename Field>
+void look_up(const Field& field, std::span<const Point2> points, const Pose2& T,
              PointBlock& block) {
   const double c = std::cos(T.yaw);
   const double s = std::sin(T.yaw);
@@ -50,16 +51,18 @@ void look_up(const DistanceField& field, std::span<const Point2> points, const P
   const double rows = field.height() - 1;
   std::array<int, kBlock> column;
   std::array<int, kBlock> row;
-  std::array<bool, kBlock> is_inside;
   block.size = points.size();
+  const double* xy = points.front().data();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    block.x[i] = c * points[i].x() - s * points[i].y();
-    block.y[i] = s * points[i].x() + c * points[i].y();
+    const double x = xy[2 * i];
+    const double y = xy[2 * i + 1];
+    block.x[i] = c * x - s * y;
+    block.y[i] = s * x + c * y;
     const double u = (T.x + block.x[i]) * scale - 0.5;
     const double v = (T.y + block.y[i]) * scale - 0.5;
-    is_inside[i] = (u >= 0.0) & (v >= 0.0) & (u < columns) & (v < rows);
-    const double inside_u = is_inside[i] ? u : 0.0;
-    const double inside_v = is_inside[i] ? v : 0.0;
+    const bool is_inside = (u >= 0.0) & (v >= 0.0) & (u < columns) & (v < rows);
+    const double inside_u = is_inside ? u : -1.0;
+    const double inside_v = is_inside ? v : -1.0;
     column[i] = static_cast<int>(inside_u);
     row[i] = static_cast<int>(inside_v);
     block.fx[i] = inside_u - column[i];
@@ -67,8 +70,8 @@ void look_up(const DistanceField& field, std::span<const Point2> points, const P
   }
   constexpr std::array<std::uint8_t, 2> kFar{255, 255};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const DistanceField::Square square =
-        is_inside[i] ? field.square(column[i], row[i]) : DistanceField::Square{&kFar[0], &kFar[0]};
+    const FieldSquare square =
+        column[i] >= 0 ? field.square(column[i], row[i]) : FieldSquare{&kFar[0], &kFar[0]};
     block.d00[i] = square.lower[0];
     block.d10[i] = square.lower[1];
     block.d01[i] = square.upper[0];
@@ -82,7 +85,8 @@ struct BlockTerms {
   Lane x, y, r;                 // Of the gradient.
 };
 
-void weigh(const DistanceField& field, const PointBlock& block, const ScanRefinerParams& params,
+template <typename Field>
+void weigh(const Field& field, const PointBlock& block, const ScanRefinerParams& params,
            BlockTerms& terms) {
   const double kernel2 = params.kernel_m * params.kernel_m;
   const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
@@ -133,8 +137,9 @@ void add(NormalEquations& sum, const BlockTerms& terms, std::size_t size) {
 }
 
 /// Sums J^T w J and J^T w d over the points; T is base_link in frame `grid`.
-NormalEquations linearize(const DistanceField& field, std::span<const Point2> points,
-                          const Pose2& T, const ScanRefinerParams& params) {
+template <typename Field>
+NormalEquations linearize(const Field& field, std::span<const Point2> points, const Pose2& T,
+                          const ScanRefinerParams& params) {
   NormalEquations sum;
   PointBlock block;
   BlockTerms terms;
@@ -147,7 +152,8 @@ NormalEquations linearize(const DistanceField& field, std::span<const Point2> po
 }
 
 /// Share of the points within the kernel of a wall.
-double inlier_share(const DistanceField& field, std::span<const Point2> points, const Pose2& T,
+template <typename Field>
+double inlier_share(const Field& field, std::span<const Point2> points, const Pose2& T,
                     double kernel_m) {
   const Placed placed(T);
   std::size_t inliers = 0;
@@ -159,7 +165,8 @@ double inlier_share(const DistanceField& field, std::span<const Point2> points, 
 }
 
 /// The slope of the field over a few cells, which the cells' edges do not disturb.
-Point2 smooth_gradient(const DistanceField& field, const Point2& point_grid) {
+template <typename Field>
+Point2 smooth_gradient(const Field& field, const Point2& point_grid) {
   constexpr double kReach = 0.1;
   const auto distance = [&](double dx, double dy) {
     return field.distance(point_grid + Point2{dx, dy});
@@ -186,7 +193,8 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& information, double yaw) {
 }
 
 /// As aligned_pose(), but for the result's frame; of at least one point.
-Pose2 aligned_in_grid(const DistanceField& field, std::span<const Point2> points_base_link,
+template <typename Field>
+Pose2 aligned_in_grid(const Field& field, std::span<const Point2> points_base_link,
                       const Pose2& T_frame_base_link, const ScanRefinerParams& params,
                       const std::optional<PosePrior>& prior) {
   Pose2 T = field.T_grid_frame() * T_frame_base_link;
@@ -215,7 +223,8 @@ PosePrior isotropic_prior(const Pose2& T_frame_base_link, double sigma_position_
   return {T_frame_base_link, Eigen::Vector3d{position, position, yaw}.asDiagonal()};
 }
 
-Pose2 aligned_pose(const DistanceField& field, std::span<const Point2> points_base_link,
+template <typename Field>
+Pose2 aligned_pose(const Field& field, std::span<const Point2> points_base_link,
                    const Pose2& T_frame_base_link, const ScanRefinerParams& params,
                    const std::optional<PosePrior>& prior) {
   if (points_base_link.empty()) return T_frame_base_link;
@@ -224,7 +233,8 @@ Pose2 aligned_pose(const DistanceField& field, std::span<const Point2> points_ba
   return inverse(field.T_grid_frame()) * T_grid_base_link;
 }
 
-RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> points_base_link,
+template <typename Field>
+RefinedPose refine_pose(const Field& field, std::span<const Point2> points_base_link,
                         const Pose2& T_frame_base_link, const ScanRefinerParams& params,
                         const std::optional<PosePrior>& prior) {
   if (points_base_link.empty()) return {.T_frame_base_link = T_frame_base_link};
@@ -236,8 +246,8 @@ RefinedPose refine_pose(const DistanceField& field, std::span<const Point2> poin
 
 /// On a wall the field has no slope, so the direction of the wall is read off a little before it,
 /// where the beam came from.
-Eigen::Matrix3d observed_information(const DistanceField& field,
-                                     std::span<const Point2> points_base_link,
+template <typename Field>
+Eigen::Matrix3d observed_information(const Field& field, std::span<const Point2> points_base_link,
                                      const Pose2& T_frame_base_link,
                                      const ScanRefinerParams& params) {
   constexpr double kBefore = 0.25;
@@ -261,5 +271,18 @@ Eigen::Matrix3d observed_information(const DistanceField& field,
   }
   return turned(information, -field.T_grid_frame().yaw);
 }
+
+template Pose2 aligned_pose(const DistanceField&, std::span<const Point2>, const Pose2&,
+                            const ScanRefinerParams&, const std::optional<PosePrior>&);
+template RefinedPose refine_pose(const DistanceField&, std::span<const Point2>, const Pose2&,
+                                 const ScanRefinerParams&, const std::optional<PosePrior>&);
+template Eigen::Matrix3d observed_information(const DistanceField&, std::span<const Point2>,
+                                              const Pose2&, const ScanRefinerParams&);
+template Pose2 aligned_pose(const TiledField&, std::span<const Point2>, const Pose2&,
+                            const ScanRefinerParams&, const std::optional<PosePrior>&);
+template RefinedPose refine_pose(const TiledField&, std::span<const Point2>, const Pose2&,
+                                 const ScanRefinerParams&, const std::optional<PosePrior>&);
+template Eigen::Matrix3d observed_information(const TiledField&, std::span<const Point2>,
+                                              const Pose2&, const ScanRefinerParams&);
 
 }  // namespace cornerfix
