@@ -95,8 +95,7 @@ std::vector<Point2> ends_on_known_ground(const ClassField& classes, std::span<co
     const double range = (end - laser).norm();
     const Point2 before = end - (end - laser) * std::min(1.0, kApproach / std::max(range, 1e-6));
     const Point2 cell = (T_grid_base_link * before) * scale;
-    const auto pass = static_cast<PassClass>(classes.pass_class(
-        static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y()))));
+    const auto pass = static_cast<PassClass>(classes.packed(cell) >> 4U);
     if (pass != PassClass::kUnknown) known.push_back(end);
   }
   return known;
