@@ -47,7 +47,7 @@ void AnswerHistory::add(const Answer& answer, std::uint64_t sequence, std::strin
                   .pose = std::nullopt,
                   .confidence = answer.confidence,
                   .times = answer.times,
-                  .recorded = std::nullopt};
+                  .recorded = nullptr};
   if (answer.status == Status::kLocalized && answer.pose) {
     past.pose = PastPose{.map = std::string(answer.pose->map->name()),
                          .revision = answer.pose->map->revision(),
@@ -61,7 +61,7 @@ void AnswerHistory::add(const Answer& answer, std::uint64_t sequence, std::strin
 
 void AnswerHistory::record(RecordedAnswer recorded, std::size_t max_recorded) {
   assert(!answers_.empty() && max_recorded > 0);
-  answers_.back().recorded = std::move(recorded);
+  answers_.back().recorded = std::make_shared<const RecordedAnswer>(std::move(recorded));
   if (answers_.size() > max_recorded) answers_[answers_.size() - 1 - max_recorded].recorded.reset();
 }
 

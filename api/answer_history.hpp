@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,7 +39,7 @@ struct PastAnswer {
   std::optional<PastPose> pose;  ///< Only when localized.
   double confidence = 0.0;
   StepTimes times;
-  std::optional<RecordedAnswer> recorded;
+  std::shared_ptr<const RecordedAnswer> recorded;  ///< Null, mostly: it would be half of this.
 };
 
 /// Keeps the newest answers. Not synchronised.

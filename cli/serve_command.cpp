@@ -38,6 +38,9 @@ constexpr int kMaxHeaps = 4;
 /// Buffers from this size on go back to the system as soon as they are let go. By default the C
 /// library keeps ever larger ones, and what a large map needed while it was loaded would stay.
 constexpr int kMappedBufferBytes = 1 << 20;
+/// How often freed memory goes back to the system [s]. A session that searches needs several times
+/// what it needs later, in pieces between those that others keep.
+constexpr int kTrimInterval = 10;
 /// On top of the drain time, for batches that are being worked on: then the process ends anyway.
 /// What was acknowledged is then in the database.
 constexpr std::chrono::seconds kLastBatchTime{2};
@@ -112,11 +115,15 @@ class Signals {
   }
 
  private:
+  /// The next signal. Meanwhile, memory that is free goes back to the system.
   static int wait() {
     const sigset_t signals = handled_signals();
-    int signal = 0;
-    sigwait(&signals, &signal);
-    return signal;
+    const timespec interval{.tv_sec = kTrimInterval, .tv_nsec = 0};
+    for (;;) {
+      const int signal = sigtimedwait(&signals, nullptr, &interval);
+      if (signal > 0) return signal;
+      malloc_trim(0);
+    }
   }
 
   std::thread thread_;

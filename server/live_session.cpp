@@ -11,7 +11,7 @@ namespace {
 
 /// Of a session with its localizer, as measured: its submap, and while it searches, what it has
 /// looked at (docs/reliability.md, section 5).
-constexpr std::size_t kTrackingBytes = 1'500'000;
+constexpr std::size_t kTrackingBytes = 600'000;
 constexpr std::size_t kSearchingBytes = 3'000'000;
 
 /// The newest scan of the local map, as it lies from the last pose: what can be shown of a session

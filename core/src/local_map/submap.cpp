@@ -15,11 +15,14 @@ namespace {
 constexpr double kCoarseKernel = 0.4;
 constexpr double kFineKernel = 0.12;
 
-DistanceField empty_field(const SubmapParams& params, const Point2& center) {
-  const int cells = static_cast<int>(std::ceil(params.field_extent_m / params.field_resolution_m));
+Pose2 field_corner(const SubmapParams& params, const Point2& center) {
   const double half = 0.5 * params.field_extent_m;
-  return {Pose2{center.x() - half, center.y() - half, 0.0}, params.field_resolution_m, cells,
-          cells};
+  return {center.x() - half, center.y() - half, 0.0};
+}
+
+TiledField empty_field(const SubmapParams& params, const Point2& center) {
+  const int cells = static_cast<int>(std::ceil(params.field_extent_m / params.field_resolution_m));
+  return {field_corner(params, center), params.field_resolution_m, cells, cells};
 }
 
 }  // namespace
@@ -119,7 +122,7 @@ void Submap::stamp(const SubmapScan& scan) {
 
 void Submap::rebuild_about(const Point2& center) {
   center_ = center;
-  field_ = empty_field(params_, center);
+  field_.clear(field_corner(params_, center));
   const double way = kept_.back().way_m;
   for (const Kept& kept : kept_) {
     if (way - kept.way_m <= params_.match_window_m) stamp(kept.scan);
@@ -129,9 +132,9 @@ void Submap::rebuild_about(const Point2& center) {
 
 RefinedPose Submap::match(std::span<const Point2> points_base_link, const PosePrior& prior,
                           const Pose2& start) const {
-  const RefinedPose coarse = refine_pose(field_, points_base_link, start,
-                                         {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
-  return refine_pose(field_, points_base_link, coarse.T_frame_base_link,
+  const Pose2 coarse = aligned_pose(field_, points_base_link, start,
+                                    {.kernel_m = kCoarseKernel, .max_iterations = 6}, prior);
+  return refine_pose(field_, points_base_link, coarse,
                      {.kernel_m = kFineKernel, .max_iterations = 6}, prior);
 }
 

@@ -14,7 +14,7 @@
 #include <cornerfix/laser_scan.hpp>
 
 #include "core/src/features/feature_map.hpp"
-#include "core/src/map/distance_field.hpp"
+#include "core/src/map/tiled_field.hpp"
 #include "core/src/matching/scan_refiner.hpp"
 #include "core/src/scan/evidence_grid.hpp"
 
@@ -116,7 +116,7 @@ class Submap {
   std::deque<Kept> kept_;
   std::uint64_t next_index_ = 0;
   Point2 center_ = Point2::Zero();  ///< Of the fields.
-  DistanceField field_;
+  TiledField field_;
   std::optional<EvidenceGrid> evidence_grid_;  ///< While evidence is gathered.
   FeatureMap features_;
   mutable std::optional<Evidence> evidence_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/src/map/stamp_patch.hpp"
 #include "core/src/scan/wall_distance.hpp"
 
 namespace cornerfix {
@@ -24,23 +25,16 @@ DistanceField::DistanceField(const OccupancyGrid& grid)
 }
 
 void DistanceField::stamp(const Point2& point_grid, double radius_m) {
-  const double column = point_grid.x() * inverse_resolution_ - 0.5;
-  const double row = point_grid.y() * inverse_resolution_ - 0.5;
-  const double reach = radius_m * inverse_resolution_;
-  const int first_column = std::max(0, static_cast<int>(std::ceil(column - reach)));
-  const int last_column = std::min(width_ - 1, static_cast<int>(std::floor(column + reach)));
-  const int first_row = std::max(0, static_cast<int>(std::ceil(row - reach)));
-  const int last_row = std::min(height_ - 1, static_cast<int>(std::floor(row + reach)));
-  const float steps_per_cell = static_cast<float>(resolution_ / kStep);
-  for (int r = first_row; r <= last_row; ++r) {
-    const float dy = static_cast<float>(r - row);
-    for (int c = first_column; c <= last_column; ++c) {
-      const float dx = static_cast<float>(c - column);
-      const float steps = std::sqrt(dx * dx + dy * dy) * steps_per_cell;
-      std::uint8_t& cell = steps_[index(c, r)];
-      if (steps < static_cast<float>(cell)) cell = static_cast<std::uint8_t>(steps);
+  const StampPlace place = stamp_place(point_grid * inverse_resolution_,
+                                       radius_m * inverse_resolution_, width_, height_);
+  for_each_patch(place, static_cast<float>(resolution_ / kStep), [this](const StampPatch& patch) {
+    const int columns = patch.last_column() - patch.first_column() + 1;
+    for (int row = patch.first_row(); row <= patch.last_row(); ++row) {
+      const std::uint8_t* lowered = patch.cells(patch.first_column(), row);
+      std::uint8_t* to = &steps_[index(patch.first_column(), row)];
+      for (int i = 0; i < columns; ++i) to[i] = std::min(to[i], lowered[i]);
     }
-  }
+  });
 }
 
 }  // namespace cornerfix

@@ -5,8 +5,9 @@
 
 namespace cornerfix {
 
-void stamp_scan(DistanceField& field, const LaserScan& scan, const Pose2& T_frame_laser,
-                double radius_m, double max_range_m) {
+template <typename Field>
+void stamp_scan(Field& field, const LaserScan& scan, const Pose2& T_frame_laser, double radius_m,
+                double max_range_m) {
   constexpr double kMaxLink = 0.5;  // neighbouring returns nearer than this lie on one wall [m]
   const Pose2 T_grid_laser = field.T_grid_frame() * T_frame_laser;
   const double spacing = field.resolution();
@@ -25,5 +26,8 @@ void stamp_scan(DistanceField& field, const LaserScan& scan, const Pose2& T_fram
     last = here;
   }
 }
+
+template void stamp_scan(DistanceField&, const LaserScan&, const Pose2&, double, double);
+template void stamp_scan(TiledField&, const LaserScan&, const Pose2&, double, double);
 
 }  // namespace cornerfix

@@ -12,7 +12,7 @@
 
 #include <cornerfix/pose2.hpp>
 
-#include "core/src/map/distance_field.hpp"
+#include "core/src/map/tiled_field.hpp"
 
 namespace cornerfix {
 
@@ -40,18 +40,26 @@ struct RefinedPose {
   double inlier_share = 0.0;  ///< Share of the points within kernel_m of a wall.
 };
 
+/// \param field             A DistanceField or TiledField.
 /// \param points_base_link  Points to lay on walls [m].
 /// \param T_frame_base_link Start; the frame is the field's (`map` or `submap`).
 /// O(iterations * points). Keeps no state.
-[[nodiscard]] RefinedPose refine_pose(const DistanceField& field,
-                                      std::span<const Point2> points_base_link,
+template <typename Field>
+[[nodiscard]] RefinedPose refine_pose(const Field& field, std::span<const Point2> points_base_link,
                                       const Pose2& T_frame_base_link,
                                       const ScanRefinerParams& params,
                                       const std::optional<PosePrior>& prior = std::nullopt);
 
+/// The pose of refine_pose() alone, which costs less.
+template <typename Field>
+[[nodiscard]] Pose2 aligned_pose(const Field& field, std::span<const Point2> points_base_link,
+                                 const Pose2& T_frame_base_link, const ScanRefinerParams& params,
+                                 const std::optional<PosePrior>& prior = std::nullopt);
+
 /// Information of x, y, yaw from points matched to walls, along the axes of the frame, without any
 /// prior. Singular where they do not constrain the pose (along a bare corridor). O(points).
-[[nodiscard]] Eigen::Matrix3d observed_information(const DistanceField& field,
+template <typename Field>
+[[nodiscard]] Eigen::Matrix3d observed_information(const Field& field,
                                                    std::span<const Point2> points_base_link,
                                                    const Pose2& T_frame_base_link,
                                                    const ScanRefinerParams& params);

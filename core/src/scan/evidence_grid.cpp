@@ -52,9 +52,9 @@ void EvidenceGrid::count(const LaserScan& scan, const Pose2& T_submap_laser, int
   const double scale = 1.0 / params_.resolution_m;
   const Point2 start = (T_submap_laser.translation() - corner_) * scale;
   const auto cell_at = [&](const Point2& p) -> CellCounts* {
-    const int column = static_cast<int>(std::floor(p.x()));
-    const int row = static_cast<int>(std::floor(p.y()));
-    if (column < 0 || row < 0 || column >= size_ || row >= size_) return nullptr;
+    if (!(p.x() >= 0.0 && p.y() >= 0.0 && p.x() < size_ && p.y() < size_)) return nullptr;
+    const int column = static_cast<int>(p.x());
+    const int row = static_cast<int>(p.y());
     CellCounts& counts = cell(column, row);
     if (counts.ends == 0 && counts.passes == 0)
       touched_.push_back(static_cast<std::uint32_t>(row * size_ + column));

@@ -69,12 +69,13 @@ class EvidenceGrid {
   [[nodiscard]] CellCounts& cell(int column, int row);
   /// One that was counted in before.
   [[nodiscard]] const CellCounts& known_cell(int column, int row) const;
+  // Unsigned: divided by shifts.
   [[nodiscard]] std::size_t tile_of(int column, int row) const {
-    return static_cast<std::size_t>(row / kTile) * static_cast<std::size_t>(tiles_per_row_) +
-           static_cast<std::size_t>(column / kTile);
+    return static_cast<std::size_t>(row) / kTile * static_cast<std::size_t>(tiles_per_row_) +
+           static_cast<std::size_t>(column) / kTile;
   }
   [[nodiscard]] static std::size_t place_in_tile(int column, int row) {
-    return static_cast<std::size_t>(row % kTile * kTile + column % kTile);
+    return static_cast<std::size_t>(row) % kTile * kTile + static_cast<std::size_t>(column) % kTile;
   }
 
   EvidenceGridParams params_;

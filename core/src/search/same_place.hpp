@@ -27,8 +27,7 @@ inline constexpr double kMinPlaceWeight =
   const std::vector<Point2> points = thinned(ends, kRefinePoints);
   for (const double kernel_m : {0.4, 0.1}) {
     T_map_frame =
-        refine_pose(field, points, T_map_frame, {.kernel_m = kernel_m, .max_iterations = 8})
-            .T_frame_base_link;
+        aligned_pose(field, points, T_map_frame, {.kernel_m = kernel_m, .max_iterations = 8});
   }
   return T_map_frame;
 }

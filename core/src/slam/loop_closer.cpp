@@ -92,11 +92,10 @@ std::optional<FoundPlace> find_place(const DriveSubmap& submap, const SubmapMosa
 std::optional<PoseRelation> relate(std::span<const Point2> points_from, const DriveSubmap& submap,
                                    const Pose2& T_submap_from) {
   const PosePrior prior = isotropic_prior(T_submap_from, 0.3, 0.1);
-  const RefinedPose coarse = refine_pose(submap.field, points_from, T_submap_from,
-                                         {.kernel_m = 0.3, .max_iterations = 6}, prior);
+  const Pose2 coarse = aligned_pose(submap.field, points_from, T_submap_from,
+                                    {.kernel_m = 0.3, .max_iterations = 6}, prior);
   const ScanRefinerParams finely{.kernel_m = 0.1, .max_iterations = 8};
-  const RefinedPose fine =
-      refine_pose(submap.field, points_from, coarse.T_frame_base_link, finely, prior);
+  const RefinedPose fine = refine_pose(submap.field, points_from, coarse, finely, prior);
   if (fine.inlier_share < kMinInlierShare ||
       distance(fine.T_frame_base_link, T_submap_from) > kMaxShift ||
       angle_between(fine.T_frame_base_link, T_submap_from) > kMaxTurn)

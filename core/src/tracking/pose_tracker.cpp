@@ -95,8 +95,7 @@ std::vector<Point2> ends_on_known_ground(const ClassField& classes, std::span<co
     const double range = (end - laser).norm();
     const Point2 before = end - (end - laser) * std::min(1.0, kApproach / std::max(range, 1e-6));
     const Point2 cell = (T_grid_base_link * before) * scale;
-    const auto pass = static_cast<PassClass>(classes.pass_class(
-        static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y()))));
+    const auto pass = static_cast<PassClass>(classes.packed(cell) >> 4U);
     if (pass != PassClass::kUnknown) known.push_back(end);
   }
   return known;
@@ -157,11 +156,10 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   ScanRefinerParams correction = kCorrection;
   correction.sigma_point_m /= std::sqrt(share);
   const Pose2 start = best_start(map.index().field, known, T_map_base_link_, covariance_);
-  const RefinedPose refined = refine_pose(map.index().field, known, start, correction, prior);
-  const EvidenceScore fit =
-      score_evidence(map.index().classes, {known, {}}, refined.T_frame_base_link);
+  const Pose2 aligned = aligned_pose(map.index().field, known, start, correction, prior);
+  const EvidenceScore fit = score_evidence(map.index().classes, {known, {}}, aligned);
   if (known_share >= kMinKnown && fit.matched >= kMinFitShare) {
-    T_map_base_link_ = refined.T_frame_base_link;
+    T_map_base_link_ = aligned;
     if (distance_m_ >= kLeastDistance) {
       covariance_ = (prior.information +
                      information_of(map.index().field, known, T_map_base_link_, correction))

@@ -204,6 +204,30 @@ TEST(ScanRefiner, CountsTheShareOfPointsOnWalls) {
   EXPECT_NEAR(refine_pose(room_field(), points, truth, {}).inlier_share, 0.5, 0.01);
 }
 
+TEST(ScanRefiner, AlignsAsItRefinesForAnyNumberOfPoints) {
+  std::mt19937_64 random(8);
+  const DistanceField field = room_field();
+  const Pose2 truth{6.0, 5.0, 1.0};
+  const std::vector<Point2> points = points_seen(testing::figure7_room(), truth, 30.0, random);
+  const Pose2 start = perturbed(truth, 0.1, 0.04, random);
+  for (const std::size_t count : {0, 1, 31, 32, 33, 100}) {
+    const std::span<const Point2> some = std::span(points).first(count);
+    EXPECT_EQ(aligned_pose(field, some, start, {}),
+              refine_pose(field, some, start, {}).T_frame_base_link)
+        << count << " points";
+  }
+}
+
+TEST(ScanRefiner, APointOutsideTheFieldChangesNothing) {
+  std::mt19937_64 random(9);
+  const Pose2 truth{6.0, 5.0, 1.0};
+  std::vector<Point2> points = points_seen(testing::figure7_room(), truth, 30.0, random);
+  const Pose2 start = perturbed(truth, 0.1, 0.04, random);
+  const Pose2 without = aligned_pose(room_field(), points, start, {});
+  points.insert(points.begin() + 5, Point2{500.0, 0.0});
+  EXPECT_THAT(aligned_pose(room_field(), points, start, {}), IsPoseNear(without, 1e-12, 1e-12));
+}
+
 TEST(ScanRefiner, AFieldWithYawGivesTheSamePose) {
   const SceneBuilder room = testing::figure7_room();
   const DistanceField straight = room_field();
