@@ -57,6 +57,16 @@ Result<void> MapRanking::refresh() {
   return {};
 }
 
+std::shared_lock<std::shared_mutex> MapRanking::reading() const {
+  const std::lock_guard gate(gate_);
+  return std::shared_lock(mutex_);
+}
+
+std::unique_lock<std::shared_mutex> MapRanking::writing() {
+  const std::lock_guard gate(gate_);
+  return std::unique_lock(mutex_);
+}
+
 /// With refresh_mutex_ held.
 Result<void> MapRanking::read_changes() {
   auto states = stores_->with_map_entries([](MapStore& maps) { return maps.sketch_states(); });
@@ -64,7 +74,7 @@ Result<void> MapRanking::read_changes() {
   std::erase_if(*states, [](const SketchState& state) { return !state.has_content; });
   std::vector<MapKey> wanted;
   {
-    const std::shared_lock lock(mutex_);
+    const auto lock = reading();
     for (const SketchState& state : *states) {
       const auto known = sketched_.find(state.id);
       const bool is_known = known != sketched_.end() && known->second == state.revision;
@@ -103,7 +113,7 @@ Result<std::vector<StoredSketch>> MapRanking::read_sketches(const std::vector<Ma
 void MapRanking::take(std::vector<SketchState> states, std::vector<StoredSketch> sketches) {
   const bool is_first = !epoch_;
   const Time now = is_first ? Time::min() : settings_.now();
-  const std::unique_lock lock(mutex_);
+  const auto lock = writing();
   std::map<MapKey, Entry> entries;
   for (SketchState& state : states)
     entries.emplace_hint(entries.end(), state.id, Entry{std::move(state.name), state.revision});
@@ -116,14 +126,15 @@ void MapRanking::take(std::vector<SketchState> states, std::vector<StoredSketch>
     missing_.erase(key);
   }
   entries_ = std::move(entries);
+  std::vector<std::pair<MapKey, MapSketch>> fresh;
   for (StoredSketch& stored : sketches) {
     const auto entry = entries_.find(stored.map_id);
     if (entry == entries_.end() || entry->second.revision != stored.revision) continue;
-    if (sketched_.contains(stored.map_id)) continue;
-    catalog_.put(stored.map_id, std::move(stored.sketch));
-    sketched_[stored.map_id] = stored.revision;
+    if (!sketched_.try_emplace(stored.map_id, stored.revision).second) continue;
+    fresh.emplace_back(stored.map_id, std::move(stored.sketch));
     missing_.erase(stored.map_id);
   }
+  catalog_.put_all(std::move(fresh));
   for (const auto& [key, entry] : entries_) {
     if (!sketched_.contains(key)) missing_.try_emplace(key, Missing{.changed_at = now});
   }
@@ -134,7 +145,7 @@ bool MapRanking::make_next_sketch() {
   std::optional<MapKey> key;
   Entry entry;
   {
-    const std::shared_lock lock(mutex_);
+    const auto lock = reading();
     const auto found = std::ranges::find_if(missing_, [&](const auto& one) {
       return !one.second.has_failed && one.second.changed_at <= latest;
     });
@@ -143,7 +154,7 @@ bool MapRanking::make_next_sketch() {
     entry = entries_.at(*key);
   }
   auto sketch = library_->make_sketch(info_of(*key, entry));
-  const std::unique_lock lock(mutex_);
+  const auto lock = writing();
   const auto missing = missing_.find(*key);
   if (missing == missing_.end() || entries_.at(*key) != entry) return true;  // It has changed.
   if (!sketch) {
@@ -158,27 +169,27 @@ bool MapRanking::make_next_sketch() {
 }
 
 std::uint64_t MapRanking::version() const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   return version_;
 }
 
 std::size_t MapRanking::size() const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   return entries_.size();
 }
 
 double MapRanking::free_area_m2() const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   return catalog_.free_area_m2();
 }
 
 MapRankingUse MapRanking::use() const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   return {.maps = entries_.size(), .sketches = catalog_.size(), .bytes = catalog_.bytes()};
 }
 
 std::vector<RankedMap> MapRanking::rank(const MapQuery& query) const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   const std::vector<RankedMap> by_sketch = catalog_.rank(query);
   const double best = by_sketch.empty() ? 0.0 : by_sketch.front().mean_weight;
   std::vector<RankedMap> ranked;
@@ -190,7 +201,7 @@ std::vector<RankedMap> MapRanking::rank(const MapQuery& query) const {
 }
 
 std::vector<MapKey> MapRanking::keys() const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   std::vector<MapKey> keys;
   keys.reserve(entries_.size());
   for (const auto& [key, entry] : entries_) keys.push_back(key);
@@ -198,7 +209,7 @@ std::vector<MapKey> MapRanking::keys() const {
 }
 
 std::optional<MapKey> MapRanking::find(std::string_view name) const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   for (const auto& [key, entry] : entries_) {
     if (entry.name == name) return key;
   }
@@ -206,7 +217,7 @@ std::optional<MapKey> MapRanking::find(std::string_view name) const {
 }
 
 std::optional<MapRanking::Entry> MapRanking::entry(MapKey key) const {
-  const std::shared_lock lock(mutex_);
+  const auto lock = reading();
   const auto found = entries_.find(key);
   return found == entries_.end() ? std::nullopt : std::optional(found->second);
 }

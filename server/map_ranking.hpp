@@ -86,6 +86,8 @@ class MapRanking {
     bool has_failed = false;
   };
 
+  [[nodiscard]] std::shared_lock<std::shared_mutex> reading() const;
+  [[nodiscard]] std::unique_lock<std::shared_mutex> writing();
   [[nodiscard]] Result<void> read_changes();
   [[nodiscard]] Result<std::vector<storage::StoredSketch>> read_sketches(
       const std::vector<MapKey>& wanted);
@@ -99,6 +101,8 @@ class MapRanking {
   std::mutex refresh_mutex_;
   std::optional<std::uint64_t> epoch_;  ///< Of the store at the last refresh().
 
+  /// Who writes holds it while waiting, so that no more readers come first.
+  mutable std::mutex gate_;
   mutable std::shared_mutex mutex_;  ///< Of what follows; only refresh_mutex_ is held around it.
   MapCatalog catalog_;
   std::map<MapKey, Entry> entries_;

@@ -96,7 +96,7 @@ void Localizer::Impl::decide(const View& view) {
     const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
     if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
     if (reason != Reason::kNone && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
-    // Without a ranking the maps that were searched are any: what fits in them means little.
+    // Without a ranking the maps that were searched are any.
     const bool is_any = unsearched() != Reason::kNone && !selection.is_ranked;
     if (is_any || fits_badly || (reason == Reason::kNone && search.is_only_unsearched())) {
       if (unsearched() != Reason::kNone) reason = unsearched();

@@ -41,7 +41,7 @@ void add_without_ranking(MapSelection& selection, MapSource& source, const View&
                          bool may_load_all) {
   if (may_load_all) {
     for (const MapKey key : source.keys()) std::ignore = add(selection, source, key, kMostUnranked);
-  } else {
+  } else if (source.size() <= kMostUnranked) {  // Among more, any four would show nothing.
     std::vector<RankedMap> ranked = source.rank({view.corners, view.evidence.ends});
     if (ranked.size() > kProposedByFewCorners) ranked.resize(kProposedByFewCorners);
     for (const RankedMap& one : ranked) std::ignore = add(selection, source, one.key, kMostRanked);
