@@ -5,6 +5,7 @@
 /// over the storeys. Each posts a scan of 240 beams per batch until its pose is accepted. A
 /// pose is right in the right map within 0.5 m and 5 deg.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <thread>
@@ -44,6 +46,9 @@ struct MapsOptions {
   std::size_t robots = 100;
   std::size_t first_robot = 0;
   std::size_t scans = 120;
+  std::size_t storeys = 0;  ///< Those that robots are in; 0: all maps.
+  bool composites = false;
+  bool along_corridor = false;
   bool names_map = false;
   bool names_all = false;
   bool is_verbose = false;
@@ -87,12 +92,12 @@ MadeStorey make_storey(std::size_t seed) {
   return made;
 }
 
-void store(storage::MapStore& maps, std::size_t storey, const MadeStorey& made) {
+void store(storage::MapStore& maps, const std::string& name, const MadeStorey& made) {
   const OccupancyGrid& grid = made.grid;
   const Point2 low = grid.T_map_grid.translation();
   const Point2 size(grid.width * grid.resolution, grid.height * grid.resolution);
   const storage::MapInfo info =
-      value_of(maps.put_floor_map(name_of(storey),
+      value_of(maps.put_floor_map(name,
                                   {.grid = grid,
                                    .outline = {.feature_count = made.content.features.size(),
                                                .bounds = Bounds{low, low + size}}},
@@ -101,25 +106,77 @@ void store(storage::MapStore& maps, std::size_t storey, const MadeStorey& made) 
   check(maps.store_sketch(info.id, info.revision, made.sketch));
 }
 
+MadeStorey stored_storey(storage::MapStore& maps, std::size_t storey) {
+  const storage::MapInfo info = value_of(maps.find(name_of(storey)));
+  return {.grid = value_of(maps.floor_map(info.id)),
+          .content = value_of(maps.content(info.id)).value().content,
+          .sketch = {}};
+}
+
+/// The left half of one grid's mirror image, and the right half of another one's of its size.
+OccupancyGrid composite(const OccupancyGrid& left, const OccupancyGrid& right) {
+  OccupancyGrid made = left;
+  for (int row = 0; row < made.height; ++row) {
+    for (int column = 0; column < made.width; ++column) {
+      const OccupancyGrid& from = column < made.width / 2 ? left : right;
+      const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(made.width);
+      made.cells[at + static_cast<std::size_t>(column)] = from.at({made.width - 1 - column, row});
+    }
+  }
+  return made;
+}
+
+/// Halves of the mirror images of two storeys: a map that no robot is in.
+MadeStorey composite(const MadeStorey& left, const MadeStorey& right) {
+  MadeStorey made{.grid = composite(left.grid, right.grid), .content = {}, .sketch = {}};
+  const OccupancyGrid& grid = left.content.grid;
+  made.content.grid = composite(grid, right.content.grid);
+  const double width_m = grid.width * grid.resolution;
+  const double middle_x = grid.T_map_grid.x + width_m / 2.0;
+  for (const MadeStorey* half : {&left, &right}) {
+    for (Feature feature : half->content.features) {
+      feature.position.x() = 2.0 * middle_x - feature.position.x();
+      feature.bisector = wrap_angle(std::numbers::pi - feature.bisector);
+      if ((feature.position.x() < middle_x) == (half == &left))
+        made.content.features.push_back(feature);
+    }
+  }
+  made.content.descriptors = describe(made.content.features, left.content.descriptors.params);
+  made.sketch = sketch_of(made.content.features, made.content.grid);
+  return made;
+}
+
+/// Storeys up to `maps`, or composites of those that are stored.
 void fill(const MapsOptions& options) {
   storage::MapStore maps(
       value_of(storage::Database::open(options.database, storage::Synchronous::kNormal)));
-  std::atomic<std::size_t> next = value_of(maps.count());
+  const std::size_t stored = value_of(maps.count());
+  std::atomic<std::size_t> next = stored;
   std::mutex mutex;
-  std::size_t features = 0;
   const auto work = [&] {
-    for (std::size_t storey = next++; storey < options.maps; storey = next++) {
-      const MadeStorey made = make_storey(storey);
-      const std::lock_guard lock(mutex);
-      store(maps, storey, made);
-      features += made.content.features.size();
+    for (std::size_t number = next++; number < options.maps; number = next++) {
+      std::unique_lock lock(mutex, std::defer_lock);
+      if (!options.composites) {
+        const MadeStorey made = make_storey(number);
+        lock.lock();
+        store(maps, name_of(number), made);
+        continue;
+      }
+      const std::size_t step = 97 * (number / stored);  // Another partner in each round.
+      lock.lock();
+      const MadeStorey left = stored_storey(maps, number % stored);
+      const MadeStorey right = stored_storey(maps, (number + step) % stored);
+      lock.unlock();
+      const MadeStorey made = composite(left, right);
+      lock.lock();
+      store(maps, "composite-" + std::to_string(number), made);
     }
   };
   std::vector<std::thread> threads;
   for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
     threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
-  std::printf("%zu maps; %zu features are new\n", options.maps, features);
+  std::printf("%zu maps\n", value_of(maps.count()));
 }
 
 // --- ask
@@ -129,19 +186,27 @@ struct Asked {
   bool is_right = false;
   bool is_wrong = false;
   std::size_t scans = 0;
-  // Per search as the server measured it [ms]:
+  // Processor time of the server per batch that it searched for [ms]:
   std::vector<double> early;         ///< before six corners were seen,
   std::vector<double> good;          ///< and after it.
   std::vector<double> latencies_ms;  ///< Per batch.
   std::string last_reason;
 };
 
-std::vector<testing::Moment> drive_in(std::size_t storey_seed, std::size_t scans) {
-  const testing::Storey storey = testing::random_storey(storey_seed);
-  const double yaw = 0.7 * static_cast<double>(storey_seed % 9);
-  const Pose2 start{storey.inside.x() + 1.0, storey.inside.y(), wrap_angle(yaw)};
-  return testing::drive(storey.scene, {}, testing::wander(storey.scene, start, scans),
-                        storey_seed + 7);
+/// From the end of the corridor ahead while there is room, or along the corridor and back.
+std::vector<testing::Moment> drive_in(std::size_t seed, const MapsOptions& options) {
+  const testing::Storey storey = testing::random_storey(seed);
+  const Point2 begin = storey.inside + Point2(1.0, 0.0);
+  std::vector<Pose2> poses;
+  if (options.along_corridor) {
+    const Point2 end(testing::kStoreySize.x() - 1.5, begin.y());
+    poses = testing::route(std::vector{begin, end, begin}, 0.25);
+    poses.resize(std::min(poses.size(), options.scans));
+  } else {
+    const double yaw = 0.7 * static_cast<double>(seed % 9);
+    poses = testing::wander(storey.scene, {begin.x(), begin.y(), wrap_angle(yaw)}, options.scans);
+  }
+  return testing::drive(storey.scene, {}, poses, seed + 7);
 }
 
 nlohmann::json json_of(const Pose2& pose) {
@@ -173,23 +238,26 @@ std::string open_session(client::HttpClient& client, std::size_t storey, const L
   return nlohmann::json::parse(answer).at("id");
 }
 
-Asked ask_one(client::HttpClient& client, std::size_t storey, const MapsOptions& options) {
-  const std::vector<testing::Moment> moments = drive_in(storey, options.scans);
+Asked ask_one(client::HttpClient& client, const ServerProcess& server, std::size_t storey,
+              const MapsOptions& options) {
+  const std::vector<testing::Moment> moments = drive_in(storey, options);
   const std::string session =
       "/v1/sessions/" + open_session(client, storey, moments.front().scan.scan, options);
   Asked asked;
   for (const testing::Moment& moment : moments) {
     const std::string body = batch_of(asked.scans++, moment.scan);
     const Clock::time_point begin = Clock::now();
+    const double before_ms = server.processor_ms();
     const auto answer =
         nlohmann::json::parse(value_of(client.send({"POST", session + "/scans", body})));
     const double latency_ms = ms_since(begin);
+    const double processor_ms = server.processor_ms() - before_ms;
     constexpr int kEnoughCorners = 6;
     const bool is_good = answer["local"]["features"] >= kEnoughCorners;
     const auto& times = answer["timing_ms"];
     const double ms = times["match"].get<double>() + times["verify"].get<double>();
     constexpr double kSearched = 0.5;  // [ms]
-    if (ms > kSearched) (is_good ? asked.good : asked.early).push_back(ms);
+    if (ms > kSearched) (is_good ? asked.good : asked.early).push_back(processor_ms);
     asked.latencies_ms.push_back(latency_ms);
     asked.last_reason = answer["reason"].is_null() ? answer["status"] : answer["reason"];
     if (answer["status"] != "localized") continue;
@@ -221,8 +289,9 @@ void ask(const MapsOptions& options) {
   std::size_t right = 0;
   std::size_t wrong = 0;
   for (std::size_t i = options.first_robot; i < options.robots; ++i) {
-    const std::size_t storey = i * options.maps / options.robots;
-    const Asked asked = ask_one(client, storey, options);
+    const std::size_t storeys = options.storeys > 0 ? options.storeys : options.maps;
+    const std::size_t storey = i * storeys / options.robots;
+    const Asked asked = ask_one(client, server, storey, options);
     right += asked.is_right ? 1 : 0;
     wrong += asked.is_wrong ? 1 : 0;
     if (asked.is_right) scans.push_back(static_cast<double>(asked.scans));
@@ -242,8 +311,8 @@ void ask(const MapsOptions& options) {
   std::printf("robots %zu, right %zu, wrong %zu, scans p50 %.0f p90 %.0f\n",
               options.robots - options.first_robot, right, wrong, percentile(scans, 0.5),
               percentile(scans, 0.9));
-  print("per search with few corners", all.early);
-  print("per search with six corners", all.good);
+  print("of processor time per search with few corners", all.early);
+  print("of processor time per search with six corners", all.good);
   print("per batch", all.latencies_ms);
   std::printf("end: %.1f MB resident, %.1f s of processor time\n", server.resident_mb(),
               server.processor_ms() / 1e3);
@@ -269,6 +338,10 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   asking->add_option("--first", options.first_robot, "Number of the first robot");
   asking->add_option("--scans", options.scans, "At most, per robot")->check(CLI::PositiveNumber);
+  asking->add_option("--storeys", options.storeys, "That robots are in; 0: all maps");
+  asking->add_flag("--corridor", options.along_corridor, "Robots drive along the corridor");
+  filling->add_flag("--composites", options.composites,
+                    "Adds maps of halves of mirrored storeys that are there");
   asking->add_flag("--named", options.names_map, "Robots name their map: the cost of one map");
   asking->add_flag("--unranked", options.names_all, "Robots name all maps: no ranking");
   asking->add_flag("--verbose", options.is_verbose, "A line per robot");
