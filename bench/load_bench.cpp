@@ -6,19 +6,11 @@
 /// misses when an answer is an error or comes after its next scan is due. Latency counts from when
 /// a scan was due. Exit code 1 when a robot has missed once all are on and the last of them has had
 /// two seconds to search the map.
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -28,13 +20,12 @@
 
 #include <cornerfix/map_image.hpp>
 
+#include "bench/server_process.hpp"
 #include "clients/cpp/http_client.hpp"
 #include "clients/cpp/scan_json.hpp"
 #include "evaluation/metrics/percentile.hpp"
 #include "evaluation/simulation/run_simulator.hpp"
 #include "support/temporary_directory.hpp"
-
-extern char** environ;
 
 namespace cornerfix::client {
 namespace {
@@ -67,66 +58,6 @@ T value_of(Result<T> result) {
   if (!result) give_up(result.error().field + ": " + result.error().message);
   return std::move(*result);
 }
-
-/// The program beside this one, on a free port and a database of its own.
-class ServerProcess {
- public:
-  ServerProcess() {
-    const std::string program =
-        std::filesystem::read_symlink("/proc/self/exe").replace_filename("cornerfix").string();
-    const std::string database = (directory_ / "load.db").string();
-    std::vector<std::string> texts = {program, "serve", "--port", "0", "--db", database};
-    std::vector<char*> arguments;
-    for (std::string& text : texts) arguments.push_back(text.data());
-    arguments.push_back(nullptr);
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) give_up("no pipe");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    const int error =
-        posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    ::close(ends[1]);
-    if (error != 0) give_up("cannot start " + program);
-    std::string line;
-    for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\n';) line += c;
-    ::close(ends[0]);
-    const auto url = line.find("http://");
-    if (url == std::string::npos) give_up(program + " does not serve");
-    url_ = line.substr(url);
-  }
-  ~ServerProcess() {
-    ::kill(pid_, SIGTERM);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  ServerProcess(const ServerProcess&) = delete;
-  ServerProcess& operator=(const ServerProcess&) = delete;
-
-  [[nodiscard]] const std::string& url() const { return url_; }
-  /// Processor time of all its threads so far.
-  [[nodiscard]] double processor_ms() const {
-    std::ifstream file("/proc/" + std::to_string(pid_) + "/stat");
-    std::string field;
-    for (int i = 0; i < 13; ++i) file >> field;  // proc(5): utime and stime come after them.
-    double user = 0.0;
-    double system = 0.0;
-    file >> user >> system;
-    return 1e3 * (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
-  }
-  [[nodiscard]] double resident_mb() const {
-    std::ifstream file("/proc/" + std::to_string(pid_) + "/statm");
-    double pages = 0.0;
-    file >> pages >> pages;
-    return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-  }
-
- private:
-  testing::TemporaryDirectory directory_;
-  pid_t pid_ = -1;
-  std::string url_;
-};
 
 evaluation::RecordedLog simulated(const evaluation::RunOptions& options) {
   static const OccupancyGrid willow = value_of(read_map_files(CORNERFIX_WILLOW_MAP));
@@ -244,7 +175,7 @@ struct FleetReport {
 };
 
 FleetReport run_fleet(const LoadOptions& options, const FleetRun& fleet, std::size_t scans_a_robot,
-                      const ServerProcess* server) {
+                      const bench::ServerProcess* server) {
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / options.scans_per_s));
   const auto ramp = std::chrono::duration_cast<Clock::duration>(Seconds(options.ramp_s));
   const auto start = Clock::now();
@@ -273,8 +204,9 @@ FleetReport run_fleet(const LoadOptions& options, const FleetRun& fleet, std::si
 }
 
 int run(LoadOptions options) {
-  std::optional<ServerProcess> server;
-  if (options.url.empty()) options.url = server.emplace().url();
+  const testing::TemporaryDirectory directory;
+  std::optional<bench::ServerProcess> server;
+  if (options.url.empty()) options.url = server.emplace(directory / "load.db").url();
   const auto tell_memory = [&](const char* when) {
     if (server) std::printf("server %s: %.1f MB resident\n", when, server->resident_mb());
   };

@@ -20,6 +20,7 @@ Response metrics(const Services& services) {
       .content_type = "text/plain; version=0.0.4; charset=utf-8",
       .body = services.metrics->render({.sessions = services.localization->count_by_status(),
                                         .maps = services.maps->cache_use(),
+                                        .ranking = services.ranking->use(),
                                         .load = services.load(),
                                         .process = process_usage(),
                                         .database = database_usage(services.stores->location())})};

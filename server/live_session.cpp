@@ -51,7 +51,8 @@ LocalizerState LiveSession::state() const {
   if (!localizer) return stored_state;
   LocalizerState state = localizer->state();
   if (state.tracked_map >= 0) {
-    state.tracked_map = static_cast<int>(map_ids[static_cast<std::size_t>(state.tracked_map)]);
+    const auto at = static_cast<std::size_t>(state.tracked_map);
+    state.tracked_map = static_cast<int>(held_map_ids()[at]);
   }
   return state;
 }
@@ -125,7 +126,7 @@ void LiveSession::note_confirmed(const Answer& answer) {
   confirmed_map = 0;
   if (!answer.pose || !answer.pose->confirmed) return;
   const auto found = std::ranges::find(localizer->maps(), answer.pose->map);
-  confirmed_map = map_ids[static_cast<std::size_t>(found - localizer->maps().begin())];
+  confirmed_map = held_map_ids()[static_cast<std::size_t>(found - localizer->maps().begin())];
 }
 
 void LiveSession::note_confirmed(const LocalizerState& state) {
@@ -138,27 +139,56 @@ void LiveSession::use_maps(SessionMaps loaded, const Localizer::Clock& clock) {
   std::vector<std::int64_t> ids = std::move(loaded.ids);
   holds_all_maps = loaded.holds_all;
   free_area_m2 = loaded.free_area_m2;
-  if (localizer && ids == map_ids) {
+  if (localizer && !is_ranked && ids == map_ids) {
     if (maps != localizer->maps()) localizer->replace_maps(std::move(maps));
     return;
   }
-  LocalizerState state = localizer ? this->state() : std::exchange(stored_state, {});
-  if (state.tracked_map >= 0) {
-    const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
-    const bool is_there = found != ids.end();
-    state.tracked_map = is_there ? static_cast<int>(found - ids.begin()) : -1;
-    if (!is_there) state.region.reset();
-    if (!is_there && state.status == Status::kLocalized) state.status = Status::kLost;
-  }
-  status = state.status;
+  LocalizerState state = take_state();
+  find_tracked(state, ids);
   localizer.emplace(std::move(maps), params, clock);
+  is_ranked = false;
   localizer->restore(std::move(state));
   map_ids = std::move(ids);
   count_bytes();
 }
 
+void LiveSession::use_source(std::shared_ptr<MapSource> source, const Localizer::Clock& clock) {
+  LocalizerState state = take_state();
+  std::vector<MapKey> held;
+  if (state.tracked_map > 0) held.push_back(state.tracked_map);
+  localizer.emplace(std::move(source), held, params, clock);
+  is_ranked = true;
+  find_tracked(state, localizer->map_keys());
+  localizer->restore(std::move(state));
+  map_ids.clear();
+  count_bytes();
+}
+
+std::int64_t LiveSession::tracked_map() const {
+  return localizer ? state().tracked_map : stored_state.tracked_map;
+}
+
+LocalizerState LiveSession::take_state() {
+  return localizer ? state() : std::exchange(stored_state, {});
+}
+
+void LiveSession::find_tracked(LocalizerState& state, const std::vector<std::int64_t>& ids) {
+  if (state.tracked_map >= 0) {
+    const auto found = std::ranges::find(ids, std::int64_t{state.tracked_map});
+    const bool is_there = found != ids.end();
+    state.tracked_map = is_there ? static_cast<int>(found - ids.begin()) : -1;
+    if (!is_there) {
+      confirmed_map = 0;
+      state.region.reset();
+      if (state.status == Status::kLocalized) state.status = Status::kLost;
+    }
+  }
+  status = state.status;
+}
+
 void LiveSession::drop_localizer() {
   localizer.reset();
+  is_ranked = false;
   map_ids.clear();
   count_bytes();
 }

@@ -61,7 +61,8 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
   LocalizerState stored_state;                       ///< What the next localizer goes on from;
                                                      ///< empty while there is one.
   std::optional<Localizer> localizer;  ///< Made when the first batch comes; ahead of the above.
-  std::vector<std::int64_t> map_ids;   ///< In the localizer's order.
+  std::vector<std::int64_t> map_ids;   ///< In the localizer's order; empty with a source.
+  bool is_ranked = false;              ///< The localizer has a source of ranked maps.
   bool holds_all_maps = false;         ///< False: stand-ins for all but the tracked one.
   double free_area_m2 = 0.0;           ///< Of all maps, as far as it is known.
   std::int64_t confirmed_map = 0;      ///< In which a confirmed pose is tracked, or 0.
@@ -77,8 +78,9 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
   std::uint64_t stored_scans = 0;     ///< in the store.
   /// When the first batch was acknowledged that the store does not have yet.
   std::optional<std::chrono::steady_clock::time_point> unstored_since;
-  std::uint64_t epoch = 0;       ///< Of the store when it was last known to be current.
-  std::uint64_t maps_epoch = 0;  ///< Of the store when the localizer's maps were.
+  std::uint64_t epoch = 0;            ///< Of the store when it was last known to be current.
+  std::uint64_t maps_epoch = 0;       ///< Of the store when the localizer's maps were.
+  std::uint64_t ranking_version = 0;  ///< Of the ranking when the localizer's maps were current.
   std::chrono::steady_clock::time_point last_used;  ///< Guarded by the table's mutex.
 
   [[nodiscard]] SessionView view() const;
@@ -104,6 +106,14 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
 
   /// Goes on in these maps. When the tracked one is not among them, the robot is lost.
   void use_maps(SessionMaps loaded, const Localizer::Clock& clock);
+  /// Goes on in the maps of a source. When it has not the tracked one, the robot is lost.
+  void use_source(std::shared_ptr<MapSource> source, const Localizer::Clock& clock);
+  /// Id of the tracked map, or -1.
+  [[nodiscard]] std::int64_t tracked_map() const;
+  /// Of the localizer's maps, in its order.
+  [[nodiscard]] const std::vector<std::int64_t>& held_map_ids() const {
+    return is_ranked ? localizer->map_keys() : map_ids;
+  }
 
   void drop_localizer();
   /// To be called when `localizer` or `status` changed.
@@ -111,6 +121,10 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
 
  private:
   void note_confirmed(const LocalizerState& state);
+  /// The localizer's state, or the stored one, for a localizer in other maps.
+  [[nodiscard]] LocalizerState take_state();
+  /// The map of the state as its place in `ids`; the robot is lost when it is not there.
+  void find_tracked(LocalizerState& state, const std::vector<std::int64_t>& ids);
 
   std::atomic<std::size_t>& live_bytes_;  ///< Of all sessions.
 };

@@ -20,7 +20,6 @@ using storage::SessionStore;
 
 namespace {
 
-constexpr std::size_t kMapsAPage = 1000;
 constexpr int kMaxAttempts = 3;
 
 /// Id of the newest session of a robot, if that is another one than `id`; else empty.
@@ -63,13 +62,19 @@ class LocalizationService::LockedSession {
 
 LocalizationService::LocalizationService(std::shared_ptr<StoreAccess> stores,
                                          std::shared_ptr<MapLibrary> maps,
-                                         LocalizationServiceSettings settings)
+                                         LocalizationServiceSettings settings,
+                                         std::shared_ptr<MapRanking> ranking)
     : stores_(std::move(stores)),
       maps_(std::move(maps)),
+      ranking_(std::move(ranking)),
       settings_(std::move(settings)),
       group_commit_([this](std::span<const storage::SessionChange> changes) {
         return write_changes(*stores_, changes);
       }) {
+  if (ranking_) {
+    ranked_maps_ =
+        std::make_shared<RankedMapSource>(ranking_, maps_, settings_.max_searched_map_bytes);
+  }
   if (settings_.checkpoint_interval.count() > 0)
     checkpoints_ = std::make_unique<Checkpoints>(stores_, settings_.checkpoint_interval);
 }
@@ -276,7 +281,7 @@ Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
   std::optional<double> search_begin = session.search_begin;
   const auto prepare = [&](const Answer& answer) -> Result<void> {
     session.note_confirmed(answer);
-    const bool is_ready = session.holds_all_maps || session.confirmed_map != 0;
+    const bool is_ready = session.is_ranked || session.holds_all_maps || session.confirmed_map != 0;
     return is_ready ? Result<void>() : use_current_maps(session);
   };
   const auto processed =
@@ -378,54 +383,6 @@ Result<void> LocalizationService::refresh(LiveSession& session) {
     return Error{ErrorCode::kCorruptData, "session " + id + " has a wrong lidar", "session"};
   session.load(std::move(record), std::move(*lidars));
   return {};
-}
-
-Result<void> LocalizationService::use_current_maps(LiveSession& session) {
-  const bool is_current = session.localizer && session.maps_epoch == session.epoch &&
-                          session.holds_all_maps == (session.confirmed_map == 0);
-  if (is_current) return {};
-  auto infos = maps_of(session);
-  if (!infos) return infos.error();
-  // A map that is gone, or empty now, leaves the robot lost: it needs all others.
-  const auto tracked = std::ranges::find(*infos, session.confirmed_map, &MapInfo::id);
-  if (tracked == infos->end() || !tracked->bounds) session.confirmed_map = 0;
-  auto maps = session.confirmed_map != 0
-                  ? load_one(*maps_, *infos, session.confirmed_map, session.free_area_m2)
-                  : load_all(*maps_, *infos, settings_.max_searched_map_bytes,
-                             !session.record.maps.empty());
-  if (!maps) return maps.error();
-  session.use_maps(std::move(*maps), settings_.clock_ms);
-  session.maps_epoch = session.epoch;
-  table_.forget_least_used(settings_.max_session_bytes);
-  return {};
-}
-
-Result<std::vector<MapInfo>> LocalizationService::maps_of(LiveSession& session) {
-  if (session.record.maps.empty()) return every_map();
-  std::vector<MapInfo> infos;
-  for (const std::string& name : session.record.maps) {
-    auto info = maps_->find(name);
-    if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
-    // A new map of an old name is another map.
-    if (!info || session.ids_by_name.try_emplace(name, info->id).first->second != info->id) {
-      return Error{ErrorCode::kConflict, "the session's map " + name + " was deleted", ""};
-    }
-    infos.push_back(std::move(*info));
-  }
-  return infos;
-}
-
-Result<std::vector<MapInfo>> LocalizationService::every_map() {
-  std::vector<MapInfo> infos;
-  for (;;) {
-    auto page = maps_->list(infos.empty() ? "" : infos.back().name, kMapsAPage);
-    if (!page) return page.error();
-    std::ranges::move(*page, std::back_inserter(infos));
-    if (page->size() < kMapsAPage) break;
-  }
-  // A new map comes last, so the others keep their places.
-  std::ranges::sort(infos, {}, &MapInfo::id);
-  return infos;
 }
 
 void LocalizationService::remove_expired() {

@@ -21,6 +21,8 @@
 #include "server/group_commit.hpp"
 #include "server/live_session.hpp"
 #include "server/map_library.hpp"
+#include "server/map_ranking.hpp"
+#include "server/ranked_map_source.hpp"
 #include "server/session_table.hpp"
 #include "server/store_access.hpp"
 
@@ -72,6 +74,8 @@ struct LocalizationServiceSettings {
   std::size_t max_sessions_per_robot = 100;
   /// Of the maps that one session searches together.
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
+  /// A session in any map searches all of so many; of more, those that a ranking chooses.
+  std::size_t max_maps_without_ranking = 4;
   std::size_t recorded_answers = 0;  ///< Of a session's history, kept with their scans.
   NowText expired_before{};  ///< Sessions last used before this time are removed; may be empty.
   NowText stale_before{};    ///< Sessions last used before this time are stale; may be empty.
@@ -98,8 +102,10 @@ struct SessionList {
 /// Any threads may call.
 class LocalizationService {
  public:
+  /// Without a `ranking` a session in any map searches all of them, however many there are.
   LocalizationService(std::shared_ptr<StoreAccess> stores, std::shared_ptr<MapLibrary> maps,
-                      LocalizationServiceSettings settings);
+                      LocalizationServiceSettings settings,
+                      std::shared_ptr<MapRanking> ranking = nullptr);
   ~LocalizationService();
 
   /// kNotFound when a map is unknown. Nothing when there are as many sessions, or the robot has as
@@ -145,6 +151,14 @@ class LocalizationService {
   [[nodiscard]] Result<LockedSession> lock(const std::string& id);
   [[nodiscard]] Result<void> refresh(LiveSession& session);
   [[nodiscard]] Result<void> use_current_maps(LiveSession& session);
+  /// Whether the session's maps come from the ranking, as it is now.
+  [[nodiscard]] Result<bool> is_in_ranked_maps(const LiveSession& session);
+  [[nodiscard]] Result<void> use_ranked_maps(LiveSession& session);
+  /// The present revisions of the maps that the session's localizer holds; nothing when one of them
+  /// is gone.
+  [[nodiscard]] Result<std::optional<std::vector<LocalizationMapPtr>>> current_revisions(
+      const LiveSession& session);
+  [[nodiscard]] Result<LocalizationMapPtr> load_ranked(MapKey key);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> maps_of(LiveSession& session);
   [[nodiscard]] Result<std::vector<storage::MapInfo>> every_map();
   [[nodiscard]] Result<BatchOutcome> take_batch(LiveSession& session,
@@ -156,6 +170,8 @@ class LocalizationService {
 
   std::shared_ptr<StoreAccess> stores_;
   std::shared_ptr<MapLibrary> maps_;
+  std::shared_ptr<MapRanking> ranking_;
+  std::shared_ptr<RankedMapSource> ranked_maps_;  ///< Null without a ranking.
   LocalizationServiceSettings settings_;
   SessionTable table_;
   GroupCommit group_commit_;

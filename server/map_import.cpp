@@ -107,6 +107,8 @@ Result<FloorMapReport> MapLibrary::make_from_floor_map(std::string_view name,
   const auto kept = stores_->with_maps(
       [&](MapStore& maps) { return maps.store_content(info->id, info->revision, made->content); });
   if (!kept) return kept.error();
+  const MapSketch sketch = sketch_of(made->content.features, made->content.grid);
+  if (auto stored_too = store_sketch(*info, sketch); !stored_too) return stored_too.error();
   return FloorMapReport{before.revision == 0, std::move(*info), std::move(made->warnings)};
 }
 

@@ -56,6 +56,10 @@ Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParam
   return mapper->build();
 }
 
+Error another_map(const std::string& name) {
+  return {ErrorCode::kNotFound, "the map " + name + " was changed or replaced", ""};
+}
+
 Error no_key_frames() {
   return {ErrorCode::kConflict,
           "the map was made from a floor map: it has no key frames that could move", "/map"};
@@ -307,6 +311,7 @@ Result<LocalizationMapPtr> MapLibrary::load(const MapInfo& info, const Progress&
   const std::lock_guard lock(growing->mutex);
   const auto current = find(info.name);
   if (!current) return current.error();
+  if (current->id != info.id) return another_map(info.name);
   const MapCache::Key key{current->id, current->revision};
   if (auto map = cache_.find(key)) return map;
   auto content = content_of(*growing, *current, progress);
@@ -331,7 +336,27 @@ Result<MapContent> MapLibrary::content_of(GrowingMap& growing, const MapInfo& in
   const auto kept = stores_->with_maps(
       [&](MapStore& maps) { return maps.store_content(info.id, info.revision, content); });
   if (!kept) return kept.error();
+  if (auto stored_too = store_sketch(info, sketch_of(content.features, content.grid)); !stored_too)
+    return stored_too.error();
   return made;
+}
+
+Result<MapSketch> MapLibrary::make_sketch(const MapInfo& info) {
+  const auto growing = this->growing(info.id);
+  const std::lock_guard lock(growing->mutex);
+  const auto current = find(info.name);
+  if (!current) return current.error();
+  if (current->id != info.id || current->revision != info.revision) return another_map(info.name);
+  const auto content = content_of(*growing, *current, {});
+  if (!content) return content.error();
+  MapSketch sketch = sketch_of(content->features, content->grid);
+  if (auto stored = store_sketch(*current, sketch); !stored) return stored.error();
+  return sketch;
+}
+
+Result<void> MapLibrary::store_sketch(const MapInfo& info, const MapSketch& sketch) {
+  return stores_->with_maps(
+      [&](MapStore& maps) { return maps.store_sketch(info.id, info.revision, sketch); });
 }
 
 Result<MapContent> MapLibrary::content_of_floor_map(const MapInfo& info) {

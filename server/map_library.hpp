@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <cornerfix/localization_map.hpp>
+#include <cornerfix/map_sketch.hpp>
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
 
@@ -123,9 +124,14 @@ class MapLibrary {
   /// trajectory of a map that drifts is then optimised, with calls of `progress`.
   [[nodiscard]] Result<LocalizationMapPtr> load(std::string_view name,
                                                 const Progress& progress = {});
-  /// The same, when the caller knows that `info` is current.
+  /// The same, when the caller knows that `info` is current: id, name and revision are used.
+  /// kNotFound when another map has the name now.
   [[nodiscard]] Result<LocalizationMapPtr> load(const storage::MapInfo& info,
                                                 const Progress& progress = {});
+
+  /// Makes the sketch of a map and stores it. kNotFound when the map is not at the revision of
+  /// `info`.
+  [[nodiscard]] Result<MapSketch> make_sketch(const storage::MapInfo& info);
 
   [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
   /// What this revision needed in memory when it was last loaded; 0 when that is not known.
@@ -160,6 +166,7 @@ class MapLibrary {
                                                         std::uint64_t revision);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
+  [[nodiscard]] Result<void> store_sketch(const storage::MapInfo& info, const MapSketch& sketch);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);
   [[nodiscard]] Result<MapContent> content_of_key_frames(GrowingMap& growing,
                                                          const storage::MapInfo& info,

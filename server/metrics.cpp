@@ -117,6 +117,12 @@ struct Metrics::Impl {
   prometheus::Gauge& cached_maps = gauge("cornerfix_map_cache_maps", "Maps held ready.");
   prometheus::Gauge& cached_bytes =
       gauge("cornerfix_map_cache_bytes", "Memory of maps held ready.");
+  prometheus::Gauge& ranked_maps =
+      gauge("cornerfix_ranked_maps", "Maps that a robot in any map may be in.");
+  prometheus::Gauge& ranking_sketches =
+      gauge("cornerfix_map_ranking_sketches", "Of these, those with a current sketch.");
+  prometheus::Gauge& ranking_bytes =
+      gauge("cornerfix_map_ranking_bytes", "Memory of the sketches and their index.");
 
   prometheus::Counter& counter(const char* name, const char* help) {
     return BuildCounter().Name(name).Help(help).Register(registry).Add({});
@@ -196,6 +202,9 @@ std::string Metrics::render(const MetricsSnapshot& now) {
   }
   set(impl_->cached_maps, now.maps.maps);
   set(impl_->cached_bytes, now.maps.bytes);
+  set(impl_->ranked_maps, now.ranking.maps);
+  set(impl_->ranking_sketches, now.ranking.sketches);
+  set(impl_->ranking_bytes, now.ranking.bytes);
   set(impl_->connections, now.load.connections);
   set(impl_->in_work, now.load.requests_in_work);
   set(impl_->workers, now.load.workers);

@@ -7,6 +7,7 @@
 
 #include "server/localization_service.hpp"
 #include "server/map_library.hpp"
+#include "server/map_ranking.hpp"
 #include "server/process_usage.hpp"
 
 namespace cornerfix::server {
@@ -24,6 +25,7 @@ struct ServerLoad {
 struct MetricsSnapshot {
   SessionCounts sessions{};
   MapCacheUse maps{};
+  MapRankingUse ranking{};
   ServerLoad load{};
   ProcessUsage process{};
   DatabaseUsage database{};

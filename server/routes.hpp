@@ -13,6 +13,7 @@
 #include "server/job_service.hpp"
 #include "server/localization_service.hpp"
 #include "server/map_library.hpp"
+#include "server/map_ranking.hpp"
 #include "server/metrics.hpp"
 #include "server/report_service.hpp"
 #include "server/router.hpp"
@@ -30,6 +31,7 @@ struct StoreQuotas {
 struct Services {
   std::shared_ptr<StoreAccess> stores;
   std::shared_ptr<MapLibrary> maps;
+  std::shared_ptr<MapRanking> ranking;
   std::shared_ptr<ReportService> reports;
   std::shared_ptr<JobService> jobs;
   std::shared_ptr<LocalizationService> localization;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <cornerfix/localizer.hpp>
+#include <cornerfix/map_sketch.hpp>
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
 
@@ -35,6 +36,10 @@ using BlobView = std::span<const std::uint8_t>;
 [[nodiscard]] Result<OccupancyGrid> decode_grid(BlobView blob);
 /// What encode_grid() writes before the cells, as a BLOB of its own: for hashing.
 [[nodiscard]] Blob encode_grid_header(const OccupancyGrid& grid);
+
+[[nodiscard]] Blob encode_map_sketch(const MapSketch& sketch);
+/// Sizes and numbers are checked: the sketch can be used without further tests.
+[[nodiscard]] Result<MapSketch> decode_map_sketch(BlobView blob);
 
 [[nodiscard]] Blob encode_submap_scan(const SubmapScan& scan);
 [[nodiscard]] Result<SubmapScan> decode_submap_scan(BlobView blob);

@@ -28,6 +28,7 @@ enum class BlobKind : std::uint8_t {
   kGrid = 4,
   kSubmapScan = 5,
   kLocalizerState = 6,
+  kMapSketch = 7,
 };
 
 /// The version that is written. All before it can be read.
@@ -70,6 +71,7 @@ class BlobWriter {
   }
   void signed_integer(int value) { integer(static_cast<std::uint32_t>(value)); }
   void real(double value) { integer(std::bit_cast<std::uint64_t>(value)); }
+  void single(float value) { integer(std::bit_cast<std::uint32_t>(value)); }
   void count(std::size_t value) {
     assert(value <= std::numeric_limits<std::uint32_t>::max() && "too many items for a BLOB");
     integer(static_cast<std::uint32_t>(value));
@@ -116,6 +118,7 @@ class BlobReader {
   }
   int signed_integer() { return static_cast<int>(integer<std::uint32_t>()); }
   double real() { return std::bit_cast<double>(integer<std::uint64_t>()); }
+  float single() { return std::bit_cast<float>(integer<std::uint32_t>()); }
   /// A number of items that follow; zero when fewer bytes than that are left.
   std::size_t count(std::size_t item_size) {
     const std::size_t value = integer<std::uint32_t>();

@@ -114,8 +114,9 @@ class Copy {
         from_jobs_(from) {}
 
   Result<CopiedRows> run() {
-    for (const auto step : {&Copy::check_jobs, &Copy::check_target, &Copy::copy_maps,
-                            &Copy::copy_sessions, &Copy::copy_tokens, &Copy::copy_ids}) {
+    for (const auto step :
+         {&Copy::check_jobs, &Copy::check_target, &Copy::copy_maps, &Copy::copy_sketches,
+          &Copy::copy_sessions, &Copy::copy_tokens, &Copy::copy_ids}) {
       if (Result<void> done = (this->*step)(); !done) return done.error();
     }
     return copied_;
@@ -198,6 +199,19 @@ class Copy {
     if (!content) return content.error();
     if (!content->has_value() || (*content)->revision != info.revision) return {};
     return to_maps_.store_content(info.id, info.revision, (*content)->content);
+  }
+
+  Result<void> copy_sketches() {
+    for (std::optional<std::int64_t> after = 0; after;) {
+      const auto page = from_maps_.sketches(*after, kPerPage);
+      if (!page) return page.error();
+      for (const StoredSketch& one : page->sketches) {
+        if (auto done = to_maps_.store_sketch(one.map_id, one.revision, one.sketch); !done)
+          return done;
+      }
+      after = page->next;
+    }
+    return {};
   }
 
   Result<void> copy_sessions() {

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include <cornerfix/map_sketch.hpp>
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
 
@@ -77,6 +78,27 @@ struct FloorMap {
 struct StoredContent {
   std::uint64_t revision = 0;
   MapContent content;
+};
+
+/// What is known of a map without its content, and the revision that its sketch was made from.
+struct SketchState {
+  std::int64_t id = 0;
+  std::string name;
+  std::uint64_t revision = 0;
+  bool has_content = false;           ///< It has bounds.
+  std::uint64_t sketch_revision = 0;  ///< 0: no sketch is stored.
+};
+
+struct StoredSketch {
+  std::int64_t map_id = 0;
+  std::uint64_t revision = 0;  ///< Of the map that it was made from.
+  MapSketch sketch;
+};
+
+/// Some sketches by map id.
+struct SketchPage {
+  std::vector<StoredSketch> sketches;  ///< Without those that are damaged.
+  std::optional<std::int64_t> next{};  ///< `after` of the next page; none: that was the last one.
 };
 
 class MapStore {
@@ -156,6 +178,14 @@ class MapStore {
   /// is gone. Does not change the revision; updates feature_count.
   [[nodiscard]] Result<void> store_content(std::int64_t map_id, std::uint64_t revision,
                                            const MapContent& content);
+
+  /// Of all maps, by ascending id.
+  [[nodiscard]] Result<std::vector<SketchState>> sketch_states();
+  /// Of maps with an id above `after`, at most `limit`.
+  [[nodiscard]] Result<SketchPage> sketches(std::int64_t after, std::size_t limit);
+  /// As store_content().
+  [[nodiscard]] Result<void> store_sketch(std::int64_t map_id, std::uint64_t revision,
+                                          const MapSketch& sketch);
 
  private:
   std::shared_ptr<Database> database_;

@@ -30,6 +30,13 @@ struct ContentBlobs {
   Blob grid;
 };
 
+/// A sketch as a BLOB.
+struct SketchRow {
+  std::int64_t map = 0;
+  std::uint64_t revision = 0;
+  Blob sketch;
+};
+
 class MapTables {
  public:
   MapTables() = default;
@@ -73,6 +80,11 @@ class MapTables {
 
   virtual std::optional<ContentBlobs> content(std::int64_t map) = 0;
   virtual void put_content(std::int64_t map, const ContentBlobs& content) = 0;
+
+  virtual std::vector<SketchState> sketch_states() = 0;  ///< Of all maps, by id.
+  /// By map, after `after`.
+  virtual std::vector<SketchRow> sketches(std::int64_t after, std::size_t limit) = 0;
+  virtual void put_sketch(const SketchRow& row) = 0;
   virtual void set_feature_count(std::int64_t map, std::size_t count) = 0;
 };
 

@@ -248,6 +248,45 @@ class PostgresqlMapTables : public MapTables {
         BlobView(content.grid));
   }
 
+  std::vector<SketchState> sketch_states() override {
+    const PostgresqlRows rows = connection_.execute(
+        "SELECT id, name, maps.revision, min_x IS NOT NULL, coalesce(map_sketches.revision, 0) "
+        "FROM maps LEFT JOIN map_sketches ON map_id = id ORDER BY id");
+    std::vector<SketchState> states;
+    states.reserve(static_cast<std::size_t>(rows.size()));
+    for (int row = 0; row < rows.size(); ++row) {
+      states.push_back({.id = rows.integer(row, 0),
+                        .name = rows.text(row, 1),
+                        .revision = rows.number(row, 2),
+                        .has_content = rows.boolean(row, 3),
+                        .sketch_revision = rows.number(row, 4)});
+    }
+    return states;
+  }
+
+  std::vector<SketchRow> sketches(std::int64_t after, std::size_t limit) override {
+    const PostgresqlRows rows = connection_.execute(
+        "SELECT map_id, revision, sketch FROM map_sketches WHERE map_id > $1 "
+        "ORDER BY map_id LIMIT $2",
+        after, limit);
+    std::vector<SketchRow> sketches;
+    sketches.reserve(static_cast<std::size_t>(rows.size()));
+    for (int row = 0; row < rows.size(); ++row) {
+      sketches.push_back({.map = rows.integer(row, 0),
+                          .revision = rows.number(row, 1),
+                          .sketch = rows.copy(row, 2)});
+    }
+    return sketches;
+  }
+
+  void put_sketch(const SketchRow& row) override {
+    (void)connection_.execute(
+        "INSERT INTO map_sketches (map_id, revision, sketch) VALUES ($1, $2, $3) "
+        "ON CONFLICT (map_id) DO UPDATE SET revision = excluded.revision, "
+        "sketch = excluded.sketch",
+        row.map, row.revision, BlobView(row.sketch));
+  }
+
   void set_feature_count(std::int64_t map, std::size_t count) override {
     (void)connection_.execute("UPDATE maps SET feature_count = $1 WHERE id = $2", count, map);
   }

@@ -152,8 +152,17 @@ CREATE TABLE map_revisions (
 );
 )sql";
 
-constexpr std::array<const char*, 3> kPostgresqlMigrations = {kCreateTables, kCreateJobTables,
-                                                              kKeepMapRevisions};
+// What ranks a map without loading it, with the revision it was made from.
+constexpr const char* kCreateSketchTable = R"sql(
+CREATE TABLE map_sketches (
+  map_id   BIGINT PRIMARY KEY REFERENCES maps (id) ON DELETE CASCADE,
+  revision BIGINT NOT NULL,
+  sketch   BYTEA  NOT NULL
+);
+)sql";
+
+constexpr std::array<const char*, 4> kPostgresqlMigrations = {
+    kCreateTables, kCreateJobTables, kKeepMapRevisions, kCreateSketchTable};
 
 /// Whether the schema has a table of versions. Not by to_regclass(): it may answer from before the
 /// lock was taken.

@@ -175,9 +175,18 @@ CREATE TABLE map_revisions (
 ) STRICT;
 )sql";
 
-constexpr std::array<const char*, 9> kMigrations = {
+// What ranks a map without loading it, with the revision it was made from.
+constexpr const char* kCreateMapSketches = R"sql(
+CREATE TABLE map_sketches (
+  map_id   INTEGER PRIMARY KEY REFERENCES maps (id) ON DELETE CASCADE,
+  revision INTEGER NOT NULL,
+  sketch   BLOB    NOT NULL
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 10> kMigrations = {
     kCreateTables,  kCreateMapGrids, kAddDrift,   kRememberMapsAndBeams, kRememberUse,
-    kRememberBatch, kCreateTokens,   kCreateJobs, kKeepRevisions};
+    kRememberBatch, kCreateTokens,   kCreateJobs, kKeepRevisions,        kCreateMapSketches};
 
 }  // namespace
 

@@ -235,6 +235,40 @@ class SqliteMapTables : public MapTables {
         .run();
   }
 
+  std::vector<SketchState> sketch_states() override {
+    Statement row(database_,
+                  "SELECT id, name, maps.revision, min_x IS NOT NULL, map_sketches.revision "
+                  "FROM maps LEFT JOIN map_sketches ON map_id = id ORDER BY id");
+    std::vector<SketchState> states;
+    while (row.step()) {
+      states.push_back({.id = row.integer(0),
+                        .name = row.text(1),
+                        .revision = row.number(2),
+                        .has_content = row.integer(3) != 0,
+                        .sketch_revision = row.is_null(4) ? 0 : row.number(4)});
+    }
+    return states;
+  }
+
+  std::vector<SketchRow> sketches(std::int64_t after, std::size_t limit) override {
+    Statement row(database_,
+                  "SELECT map_id, revision, sketch FROM map_sketches WHERE map_id > ? "
+                  "ORDER BY map_id LIMIT ?");
+    std::vector<SketchRow> sketches;
+    for (row.bind(after, limit); row.step();) {
+      sketches.push_back(
+          {.map = row.integer(0), .revision = row.number(1), .sketch = copy_of(row.blob(2))});
+    }
+    return sketches;
+  }
+
+  void put_sketch(const SketchRow& row) override {
+    Statement(database_,
+              "INSERT OR REPLACE INTO map_sketches (map_id, revision, sketch) VALUES (?, ?, ?)")
+        .bind(row.map, row.revision, BlobView(row.sketch))
+        .run();
+  }
+
   void set_feature_count(std::int64_t map, std::size_t count) override {
     Statement(database_, "UPDATE maps SET feature_count = ? WHERE id = ?").bind(count, map).run();
   }

@@ -1,6 +1,9 @@
 // The calls of http-api on sessions, against the real server.
 #include <gmock/gmock.h>
 
+#include <set>
+#include <string>
+
 #include "integration/test_server.hpp"
 
 namespace cornerfix {
@@ -121,6 +124,26 @@ TEST_F(SessionsApiTest, FindsTheRobotInAnyMap) {
   const std::string id = testing::open_session(client_, "cart-7", nullptr);
   for (std::uint64_t i = 0; i < 9; ++i) post(id, i);
   EXPECT_EQ(post(id, 9).json()["status"], "localized");
+}
+
+TEST_F(SessionsApiTest, TwinsAmongRankedMapsStayAmbiguousAndAreNamed) {
+  const std::string archive = client_.get("/v1/maps/office/archive").body;
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    const Reply reply = client_.send("POST", std::string("/v1/maps/") + name + "/archive", archive,
+                                     "application/vnd.sqlite3");
+    ASSERT_EQ(reply.status, 201) << reply.body;
+  }
+  const std::string id = testing::open_session(client_, "cart-7", nullptr);
+  Json answer;
+  for (std::uint64_t i = 0; i < 9; ++i) answer = post(id, i).json();
+  EXPECT_EQ(answer["status"], "ambiguous") << answer.dump(1);
+  EXPECT_EQ(answer["searched_maps"], 6);
+  std::set<std::string> named;
+  for (const Json& hypothesis : answer["hypotheses"]) named.insert(hypothesis["map"]);
+  EXPECT_GE(named.size(), 2U);
+  for (const char* name : {"a", "b", "c", "d", "e"})
+    ASSERT_EQ(client_.remove(std::string("/v1/maps/") + name).status, 204);
+  EXPECT_EQ(post(id, 9).json()["searched_maps"], nullptr);
 }
 
 TEST_F(SessionsApiTest, AnswersTheSameSequenceWithTheSameBytes) {

@@ -60,6 +60,7 @@ class Localizer {
   /// Maps come from a source when there are too many to hold: those where the robot may be, by what
   /// it saw, are loaded and searched. Each map that may hold the robot and could not be searched
   /// counts as a rival as good as the best pose, so that no pose is accepted beside it.
+  /// Once a pose is confirmed, its map alone is held.
   /// \param held  Maps to begin with, in the order of a restored state; others may join and leave.
   Localizer(std::shared_ptr<MapSource> source, std::span<const MapKey> held, LocalizerParams params,
             Clock clock = {});
@@ -78,8 +79,8 @@ class Localizer {
   /// The region while it restricts the search.
   [[nodiscard]] const std::optional<StartRegion>& region() const;
 
-  /// Newer revisions of the same maps, for a localizer without a source, in the same order; the
-  /// pose and the submap are kept.
+  /// Newer revisions of maps(), in the same order; the pose and the submap are kept. Without a
+  /// source, others may join at the end.
   void replace_maps(std::vector<LocalizationMapPtr> maps);
 
   [[nodiscard]] LocalizerState state() const;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <cornerfix/map_sketch.hpp>
@@ -36,6 +37,8 @@ class MapCatalog {
  public:
   /// Adds a map, or replaces what is known of it. Amortised O(corners).
   void put(MapKey key, MapSketch sketch);
+  /// As put() of one after the other, but the work is done on all cores.
+  void put_all(std::vector<std::pair<MapKey, MapSketch>> maps);
   /// Without effect when it is not there.
   void erase(MapKey key);
 
@@ -68,9 +71,13 @@ class MapCatalog {
 
   class Ranking;
 
-  void index(std::uint32_t slot);
-  /// Forgets what was replaced or erased.
-  void compact();
+  /// Appends a slot that is not indexed yet.
+  std::uint32_t add(MapKey key, MapSketch sketch);
+  /// The pairs of corners of a map with their keys.
+  [[nodiscard]] std::vector<std::pair<std::uint32_t, Posting>> pairs_of(std::uint32_t slot) const;
+  void index(std::span<const std::pair<std::uint32_t, Posting>> pairs);
+  /// Forgets what was replaced or erased, once that is more than the rest.
+  void compact_if_due();
 
   std::vector<Slot> all_;
   std::map<MapKey, std::uint32_t> slots_;       ///< Of current maps, into all_.

@@ -27,9 +27,9 @@ class MapSource {
   [[nodiscard]] virtual std::vector<MapKey> keys() = 0;
   /// The map with this name; nothing when there is none.
   [[nodiscard]] virtual std::optional<MapKey> find(std::string_view name) = 0;
-  /// Null when the map cannot be loaded, or has no room in memory. It then counts as a rival that
-  /// was not searched.
-  [[nodiscard]] virtual LocalizationMapPtr load(MapKey key) = 0;
+  /// Null when the map cannot be loaded, or has no room in memory beside the `held_bytes` of the
+  /// maps that the localizer keeps. It then counts as a rival that was not searched.
+  [[nodiscard]] virtual LocalizationMapPtr load(MapKey key, std::size_t held_bytes) = 0;
 };
 
 }  // namespace cornerfix

@@ -99,7 +99,7 @@ Localizer::Localizer(std::shared_ptr<MapSource> source, std::span<const MapKey> 
                      LocalizerParams params, Clock clock)
     : Localizer(std::vector<LocalizationMapPtr>(), params, std::move(clock)) {
   for (const MapKey key : held) {
-    LocalizationMapPtr map = source->load(key);
+    LocalizationMapPtr map = source->load(key, 0);
     if (!map) continue;
     impl_->selection.keys.push_back(key);
     impl_->selection.maps.push_back(std::move(map));
@@ -131,7 +131,9 @@ const std::optional<StartRegion>& Localizer::region() const { return impl_->regi
 
 void Localizer::replace_maps(std::vector<LocalizationMapPtr> maps) {
   assert(maps.size() >= impl_->maps.size() && "maps may join at the end, none may leave");
+  assert((!impl_->source || maps.size() == impl_->maps.size()) && "a source has the other maps");
   impl_->maps = std::move(maps);
+  if (impl_->source) impl_->selection.maps = impl_->maps;
 }
 
 std::optional<double> Localizer::last_stamp() const { return impl_->last_stamp; }

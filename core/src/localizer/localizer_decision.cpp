@@ -57,6 +57,19 @@ void Localizer::Impl::select_from_source(const View& view) {
                         .unsearched = selection.unsearched});
 }
 
+void Localizer::Impl::release_other_maps() {
+  if (!source) return;
+  MapSelection kept;
+  kept.keys = {selection.keys[accepted->map]};
+  kept.maps = {maps[accepted->map]};
+  search.use_selection({.new_index = std::vector<std::size_t>(maps.size(), 0),
+                        .free_area_m2 = source->free_area_m2(),
+                        .unsearched = 0});
+  selection = std::move(kept);
+  maps = selection.maps;
+  accepted->map = 0;
+}
+
 void Localizer::Impl::decide(const View& view) {
   const bool was_lost = status == Status::kLost;
   status = was_lost ? Status::kLost : Status::kCollecting;
@@ -73,6 +86,7 @@ void Localizer::Impl::decide(const View& view) {
         submap.features().size() < static_cast<std::size_t>(params.min_features);
     reason = few_features ? Reason::kFewFeatures : no_match();
     if (search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
+    if (unsearched() != Reason::kNone) reason = unsearched();
     return;
   }
   terms = search.terms();
@@ -82,8 +96,11 @@ void Localizer::Impl::decide(const View& view) {
     const bool fits_badly = reason == Reason::kNoMatch || reason == Reason::kContradicted;
     if (reason == Reason::kNoMatch || (region && fits_badly)) reason = no_match();
     if (reason != Reason::kNone && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
-    if (reason == Reason::kNone && search.is_only_unsearched())
-      reason = selection.is_ranked ? Reason::kSearching : Reason::kFewFeatures;
+    // Without a ranking the maps that were searched are any.
+    const bool is_any = unsearched() != Reason::kNone && !selection.is_ranked;
+    if (is_any || fits_badly || (reason == Reason::kNone && search.is_only_unsearched())) {
+      if (unsearched() != Reason::kNone) reason = unsearched();
+    }
     if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
     return;
   }
@@ -105,6 +122,11 @@ void Localizer::Impl::decide(const View& view) {
 
 Reason Localizer::Impl::no_match() const {
   return region ? Reason::kPriorContradicted : Reason::kNoMatch;
+}
+
+Reason Localizer::Impl::unsearched() const {
+  if (!source || selection.unsearched == 0) return Reason::kNone;
+  return selection.is_ranked || region ? Reason::kSearching : Reason::kFewFeatures;
 }
 
 void Localizer::Impl::accept(const Candidate& best) {

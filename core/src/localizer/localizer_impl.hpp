@@ -117,8 +117,13 @@ struct Localizer::Impl {
   void look_for_robot(StepTimes& times);
   /// Loads the maps where the robot may be, by what it saw.
   void select_from_source(const View& view);
+  /// Keeps the map of the accepted pose only, with a source.
+  void release_other_maps();
   void decide(const View& view);
   [[nodiscard]] Reason no_match() const;
+  /// What stands in the way when maps that may hold the robot were not searched; kNone when all
+  /// were.
+  [[nodiscard]] Reason unsearched() const;
   void accept(const Candidate& best);
 
   // --- tracking and review

@@ -64,6 +64,7 @@ void Localizer::Impl::review_acceptance(bool is_search_due) {
     confirmed = true;
     search.clear_candidates();
     new_ground = {};
+    release_other_maps();
   }
 }
 

@@ -73,11 +73,14 @@ void keys_near(const CornerPair& pair, std::vector<std::size_t>& keys) {
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> neighboring_pairs(
     std::span<const SketchCorner> corners, std::size_t max_neighbors) {
+  using Neighbor = std::pair<float, std::uint32_t>;  // squared distance, corner
+  constexpr auto kLeast = static_cast<float>(kMinPairDistance * kMinPairDistance);
+  constexpr auto kMost = static_cast<float>(kMaxPairDistance * kMaxPairDistance);
   std::vector<std::uint32_t> by_x(corners.size());
   for (std::uint32_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
   std::ranges::sort(by_x, {}, [&](std::uint32_t i) { return std::pair(corners[i].x, i); });
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  std::vector<std::pair<float, std::uint32_t>> near;  // squared distance, corner
+  std::vector<std::vector<Neighbor>> nearest(corners.size());
+  std::vector<Neighbor> near;
   for (std::size_t at = 0; at < by_x.size(); ++at) {
     const SketchCorner& corner = corners[by_x[at]];
     near.clear();
@@ -85,20 +88,25 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> neighboring_pairs(
       const float dx = corners[by_x[other]].x - corner.x;
       const float dy = corners[by_x[other]].y - corner.y;
       const float squared = dx * dx + dy * dy;
-      constexpr auto kLeast = static_cast<float>(kMinPairDistance * kMinPairDistance);
-      constexpr auto kMost = static_cast<float>(kMaxPairDistance * kMaxPairDistance);
       if (squared >= kLeast && squared <= kMost) near.emplace_back(squared, by_x[other]);
       return std::abs(dx) <= static_cast<float>(kMaxPairDistance);
     };
     for (std::size_t other = at; other-- > 0 && look(other);) continue;
     for (std::size_t other = at + 1; other < by_x.size() && look(other); ++other) continue;
     const std::size_t kept = std::min(max_neighbors, near.size());
-    std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(kept));
-    for (const auto& [squared, other] : std::span(near).first(kept))
-      pairs.push_back(std::minmax(by_x[at], other));
+    const auto end = near.begin() + static_cast<std::ptrdiff_t>(kept);
+    if (kept < near.size()) std::ranges::nth_element(near, end);
+    nearest[by_x[at]].assign(near.begin(), end);
   }
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    for (const auto& [squared, other] : nearest[i]) {
+      // A pair that each has of the other comes from its first corner.
+      const bool is_mutual =
+          std::ranges::find(nearest[other], i, &Neighbor::second) != nearest[other].end();
+      if (i < other || !is_mutual) pairs.push_back(std::minmax(i, other));
+    }
+  }
   return pairs;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/src/base/in_parallel.hpp"
 #include "core/src/search/corner_pairs.hpp"
 #include "core/src/search/hit_judge.hpp"
 
@@ -135,14 +136,32 @@ class MapCatalog::Ranking {
 };
 
 void MapCatalog::put(MapKey key, MapSketch sketch) {
+  compact_if_due();
+  index(pairs_of(add(key, std::move(sketch))));
+}
+
+void MapCatalog::put_all(std::vector<std::pair<MapKey, MapSketch>> maps) {
+  constexpr std::size_t kMapsAtATime = 256;  // bounds what is kept besides
+  std::vector<std::vector<std::pair<std::uint32_t, Posting>>> pairs;
+  for (std::size_t begin = 0; begin < maps.size(); begin += kMapsAtATime) {
+    compact_if_due();
+    std::vector<std::uint32_t> slots;
+    for (std::size_t i = begin; i < std::min(begin + kMapsAtATime, maps.size()); ++i)
+      slots.push_back(add(maps[i].first, std::move(maps[i].second)));
+    pairs.assign(slots.size(), {});
+    for_each_in_parallel(slots.size(), [&](std::size_t i) { pairs[i] = pairs_of(slots[i]); });
+    for (const auto& pairs_of_map : pairs) index(pairs_of_map);
+  }
+}
+
+std::uint32_t MapCatalog::add(MapKey key, MapSketch sketch) {
   erase(key);
-  if (all_.size() >= kMinForCompaction && all_.size() > 2 * slots_.size()) compact();
   const auto slot = static_cast<std::uint32_t>(all_.size());
   free_area_m2_ += sketch.free_area_m2;
   corners_ += sketch.corners.size();
   all_.push_back({key, true, std::move(sketch)});
   slots_.emplace(key, slot);
-  index(slot);
+  return slot;
 }
 
 void MapCatalog::erase(MapKey key) {
@@ -156,7 +175,8 @@ void MapCatalog::erase(MapKey key) {
   slots_.erase(found);
 }
 
-void MapCatalog::compact() {
+void MapCatalog::compact_if_due() {
+  if (all_.size() < kMinForCompaction || all_.size() <= 2 * slots_.size()) return;
   std::vector<Slot> before = std::exchange(all_, {});
   slots_.clear();
   for (std::vector<Posting>& list : postings_) list.clear();
@@ -168,22 +188,31 @@ void MapCatalog::compact() {
 }
 
 /// A corner makes pairs with those nearest to it. Each pair is kept once.
-void MapCatalog::index(std::uint32_t slot) {
-  if (postings_.empty()) postings_.resize(kPairKeys);
+std::vector<std::pair<std::uint32_t, MapCatalog::Posting>> MapCatalog::pairs_of(
+    std::uint32_t slot) const {
   const std::vector<SketchCorner>& corners = all_[slot].sketch.corners;
   const auto oriented = [](const SketchCorner& corner) {
     return OrientedCorner{{static_cast<double>(corner.x), static_cast<double>(corner.y)},
                           static_cast<double>(corner.bisector),
                           corner.convex};
   };
-  for (const auto& [i, j] : neighboring_pairs(corners, kMaxNeighbors)) {
+  const auto neighbors = neighboring_pairs(corners, kMaxNeighbors);
+  std::vector<std::pair<std::uint32_t, Posting>> pairs;
+  pairs.reserve(neighbors.size());
+  for (const auto& [i, j] : neighbors) {
     const auto pair = corner_pair(oriented(corners[i]), oriented(corners[j]));
     if (!pair) continue;
     const Pose2& frame = pair->T_frame_pair;
-    postings_[key_of(*pair)].push_back({slot, static_cast<float>(frame.x),
-                                        static_cast<float>(frame.y),
-                                        static_cast<float>(frame.yaw)});
+    pairs.emplace_back(static_cast<std::uint32_t>(key_of(*pair)),
+                       Posting{slot, static_cast<float>(frame.x), static_cast<float>(frame.y),
+                               static_cast<float>(frame.yaw)});
   }
+  return pairs;
+}
+
+void MapCatalog::index(std::span<const std::pair<std::uint32_t, Posting>> pairs) {
+  if (postings_.empty()) postings_.resize(kPairKeys);
+  for (const auto& [key, posting] : pairs) postings_[key].push_back(posting);
 }
 
 std::size_t MapCatalog::bytes() const {

@@ -18,7 +18,9 @@ constexpr std::size_t kProposedByFewCorners = 4;
 bool add(MapSelection& selection, MapSource& source, MapKey key, std::size_t most) {
   if (std::ranges::find(selection.keys, key) != selection.keys.end()) return true;
   if (selection.keys.size() >= most) return false;
-  LocalizationMapPtr map = source.load(key);
+  std::size_t held_bytes = 0;
+  for (const LocalizationMapPtr& held : selection.maps) held_bytes += held->bytes();
+  LocalizationMapPtr map = source.load(key, held_bytes);
   if (!map) return false;
   selection.keys.push_back(key);
   selection.maps.push_back(std::move(map));
@@ -39,7 +41,7 @@ void add_without_ranking(MapSelection& selection, MapSource& source, const View&
                          bool may_load_all) {
   if (may_load_all) {
     for (const MapKey key : source.keys()) std::ignore = add(selection, source, key, kMostUnranked);
-  } else {
+  } else if (source.size() <= kMostUnranked) {  // Among more, any four would show nothing.
     std::vector<RankedMap> ranked = source.rank({view.corners, view.evidence.ends});
     if (ranked.size() > kProposedByFewCorners) ranked.resize(kProposedByFewCorners);
     for (const RankedMap& one : ranked) std::ignore = add(selection, source, one.key, kMostRanked);

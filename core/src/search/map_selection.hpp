@@ -27,7 +27,8 @@ struct SelectionRequest {
 };
 
 /// With six corners or more, maps whose best pose in the ranking is at most 0.2 nat per hit below
-/// that of the best map, and at most 32. With fewer corners all maps if they are few enough.
+/// that of the best map, and at most 32. With fewer corners all maps if they are few enough, else
+/// none.
 [[nodiscard]] MapSelection select_maps(MapSource& source, const View& view,
                                        SelectionRequest request);
 

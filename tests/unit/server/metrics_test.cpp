@@ -29,12 +29,16 @@ TEST(Metrics, CountsWhatBatchesDid) {
 }
 
 TEST(Metrics, TellsWhatIsInMemory) {
-  const std::string text =
-      Metrics().render({.sessions = {1, 2, 3, 4}, .maps = {.maps = 5, .bytes = 6000, .loads = 7}});
+  const std::string text = Metrics().render({.sessions = {1, 2, 3, 4},
+                                             .maps = {.maps = 5, .bytes = 6000, .loads = 7},
+                                             .ranking = {.maps = 9, .sketches = 8, .bytes = 7000}});
   EXPECT_THAT(text, HasSubstr("cornerfix_sessions{status=\"collecting\"} 1"));
   EXPECT_THAT(text, HasSubstr("cornerfix_sessions{status=\"lost\"} 4"));
   EXPECT_THAT(text, HasSubstr("cornerfix_map_cache_maps 5"));
   EXPECT_THAT(text, HasSubstr("cornerfix_map_cache_bytes 6000"));
+  EXPECT_THAT(text, HasSubstr("cornerfix_ranked_maps 9"));
+  EXPECT_THAT(text, HasSubstr("cornerfix_map_ranking_sketches 8"));
+  EXPECT_THAT(text, HasSubstr("cornerfix_map_ranking_bytes 7000"));
 }
 
 TEST(Metrics, CountsAnswersByStatusAndReason) {

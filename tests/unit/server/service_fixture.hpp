@@ -28,6 +28,7 @@ struct SessionLimits {
   NowText stale_before{};
   std::size_t max_all = 100;
   std::chrono::milliseconds checkpoint_interval{0};
+  std::size_t max_maps_without_ranking = 4;
 };
 
 /// What one process would hold. Several may share a file.
@@ -36,6 +37,9 @@ struct Process {
                    const SessionLimits& session_limits = {})
       : stores(StoreAccess::open(file).value()),
         maps(std::make_shared<MapLibrary>(stores, limits, [] { return kNow; })),
+        ranking(std::make_shared<MapRanking>(
+            stores, maps,
+            MapRankingSettings{.quiet_time = std::chrono::seconds(0), .has_thread = false})),
         localization(stores, maps,
                      {.render = render,
                       .now = [] { return kNow; },
@@ -54,15 +58,19 @@ struct Process {
                       .max_sessions = session_limits.max_all,
                       .max_sessions_per_robot = session_limits.max_per_robot,
                       .max_searched_map_bytes = session_limits.max_searched_map_bytes,
+                      .max_maps_without_ranking = session_limits.max_maps_without_ranking,
                       .expired_before = session_limits.expired_before,
                       .stale_before = session_limits.stale_before,
-                      .checkpoint_interval = session_limits.checkpoint_interval}) {}
+                      .checkpoint_interval = session_limits.checkpoint_interval},
+                     ranking) {}
 
   /// Enough to distinguish answers.
   static std::string render(const AnswerToRender& answer) {
     std::string text(answer.session);
     text += " " + std::to_string(answer.sequence.value_or(99)) + " " +
             std::string(to_string(answer.answer.status));
+    if (answer.answer.searched_maps > 4)
+      text += " of " + std::to_string(answer.answer.searched_maps);
     if (answer.answer.pose) {
       const Pose2& pose = answer.answer.pose->T_map_base_link;
       text += " in " + answer.answer.pose->map->name() + " at " + std::to_string(pose.x) + " " +
@@ -73,6 +81,7 @@ struct Process {
 
   std::shared_ptr<StoreAccess> stores;
   std::shared_ptr<MapLibrary> maps;
+  std::shared_ptr<MapRanking> ranking;
   std::mutex events_mutex;  ///< Batches of several sessions come at once.
   BatchEvents events;
   LocalizationService localization;

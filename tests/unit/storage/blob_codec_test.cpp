@@ -41,6 +41,7 @@ const std::vector<Codec>& codecs() {
         {"SubmapScan", encode_submap_scan(sample_submap_scan(3, 2)), error_of(decode_submap_scan)},
         {"LocalizerState", encode_localizer_state(sample_state(0, 0, 1), keys),
          error_of(decode_localizer_state)},
+        {"MapSketch", encode_map_sketch(sample_sketch(1)), error_of(decode_map_sketch)},
     };
   }();
   return kCodecs;
@@ -72,7 +73,7 @@ class EveryBlob : public ::testing::TestWithParam<std::size_t> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Kinds, EveryBlob, ::testing::Range<std::size_t>(0, 6),
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryBlob, ::testing::Range<std::size_t>(0, 7),
                          [](const auto& kind) { return codecs()[kind.param].name; });
 
 TEST_P(EveryBlob, DecodesAsEncoded) { EXPECT_FALSE(codec().decode(codec().sample)); }
@@ -194,6 +195,22 @@ TEST(BlobCodec, GivesBackAGridBitForBit) {
 TEST(BlobCodec, GivesBackAnEmptyGrid) {
   const OccupancyGrid grid;
   EXPECT_TRUE(is_same(decode_grid(encode_grid(grid)).value(), grid));
+}
+
+TEST(BlobCodec, GivesBackAMapSketchBitForBit) {
+  for (const MapSketch& sketch : {sample_sketch(4), MapSketch{}})
+    EXPECT_EQ(decode_map_sketch(encode_map_sketch(sketch)).value(), sketch);
+}
+
+TEST(BlobCodec, RefusesAMapSketchThatCannotBeUsed) {
+  MapSketch without_cells = sample_sketch(1);
+  without_cells.cell_m = 0.0;
+  MapSketch endless_corner = sample_sketch(1);
+  endless_corner.corners[1].y = std::numeric_limits<float>::infinity();
+  MapSketch lost = sample_sketch(1);
+  lost.T_map_grid.yaw = std::numeric_limits<double>::quiet_NaN();
+  for (const MapSketch& sketch : {without_cells, endless_corner, lost})
+    EXPECT_EQ(decode_map_sketch(encode_map_sketch(sketch)).error().code, ErrorCode::kCorruptData);
 }
 
 TEST(BlobCodec, GivesBackASubmapScanBitForBit) {

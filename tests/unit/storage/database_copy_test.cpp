@@ -55,6 +55,7 @@ class DatabaseCopy : public ::testing::TestWithParam<Direction> {
                     "t1")
               .value();
       ASSERT_TRUE(maps.store_content(grown.id, grown.revision, sample_content(5)));
+      ASSERT_TRUE(maps.store_sketch(grown.id, grown.revision, sample_sketch(6)));
     }
     ASSERT_TRUE(maps.remove("deleted"));
     ASSERT_TRUE(maps.put("empty", std::nullopt, std::nullopt, std::nullopt, "t0"));
@@ -118,6 +119,10 @@ TEST_P(DatabaseCopy, CopiesEveryMap) {
     EXPECT_EQ(to.floor_map, from.floor_map);
   }
   const std::int64_t office = target.find("office")->id;
+  const SketchPage sketches = target.sketches(0, 10).value();
+  ASSERT_EQ(sketches.sketches.size(), 2U);
+  EXPECT_EQ(sketches.sketches[0].map_id, office);
+  EXPECT_EQ(sketches.sketches[0].sketch, sample_sketch(6));
   EXPECT_TRUE(is_same(target.content(office).value()->content, sample_content(5)));
 }
 

@@ -119,6 +119,22 @@ MapContent sample_content(int features) {
   return content;
 }
 
+MapSketch sample_sketch(int seed) {
+  MapSketch sketch;
+  sketch.T_map_grid = {-1.5, 0.1 * seed, -0.0};
+  sketch.free_area_m2 = 12.5 * seed;
+  sketch.cell_m = 0.2;
+  sketch.width = 7;
+  sketch.height = 3;
+  for (std::size_t i = 0; i < MapSketch::level_bytes(7, 3); ++i)
+    sketch.levels.push_back(static_cast<std::uint8_t>(0xE4U + i));
+  for (int i = 0; i < 3; ++i) {
+    const float x = 0.1F * static_cast<float>(i + seed);
+    sketch.corners.push_back({x, -0.0F, -3.0F, 1.5F, i % 2 == 0});
+  }
+  return sketch;
+}
+
 SubmapScan sample_submap_scan(std::uint64_t index, int seed) {
   return {index, sample_scan(seed), {0.1, 0.0, -0.0}, {0.3 * seed, 0.1, -0.2}};
 }

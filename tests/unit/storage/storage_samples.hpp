@@ -49,6 +49,7 @@ void write_bytes(const std::filesystem::path& path, const std::string& bytes);
 [[nodiscard]] PosedScan sample_key_frame(int seed);
 [[nodiscard]] std::vector<PosedScan> sample_key_frames(int count);
 [[nodiscard]] MapContent sample_content(int features);
+[[nodiscard]] MapSketch sample_sketch(int seed);
 [[nodiscard]] SubmapScan sample_submap_scan(std::uint64_t index, int seed);
 /// `count` submap scans from `first_index` on.
 [[nodiscard]] LocalizerState sample_state(std::uint64_t first_index, int count, int seed);

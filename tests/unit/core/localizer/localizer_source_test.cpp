@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -17,6 +18,7 @@ namespace cornerfix {
 namespace {
 
 using namespace localizer_tests;
+using ::testing::ElementsAre;
 using ::testing::IsSupersetOf;
 using ::testing::UnorderedElementsAre;
 
@@ -44,13 +46,14 @@ class FakeSource : public MapSource {
     }
     return std::nullopt;
   }
-  LocalizationMapPtr load(MapKey key) override {
-    if (refused_.contains(key)) return nullptr;
+  LocalizationMapPtr load(MapKey key, std::size_t held_bytes) override {
+    if (refused_.contains(key) || held_bytes + maps_.at(key)->bytes() > max_bytes) return nullptr;
     loaded.insert(key);
     return maps_.at(key);
   }
 
   std::set<MapKey> loaded;
+  std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
 
  private:
   MapCatalog catalog_;
@@ -183,6 +186,70 @@ TEST(LocalizerWithSource, ContinuesInTheMapOfARestoredState) {
   const Answer answer = after.process(moments[80].scan);
   ASSERT_TRUE(answer.pose) << to_string(answer.reason);
   EXPECT_EQ(answer.pose->map->name(), "own");
+}
+
+TEST(LocalizerWithSource, HoldsOneMapOnceThePoseIsConfirmed) {
+  const auto source = source_of_others();
+  source->add(1, storey_map(kSeed, "own"));
+  Localizer localizer(source, {}, {});
+  bool is_confirmed = false;
+  for (const Moment& moment : storey_drive(160)) {
+    const Answer answer = localizer.process(moment.scan);
+    is_confirmed = is_confirmed || (answer.pose && answer.pose->confirmed);
+    if (is_confirmed) {
+      ASSERT_TRUE(answer.pose) << to_string(answer.reason);
+      EXPECT_EQ(answer.pose->map->name(), "own");
+    }
+  }
+  ASSERT_TRUE(is_confirmed);
+  EXPECT_THAT(localizer.map_keys(), ElementsAre(1));
+  EXPECT_EQ(localizer.maps().size(), 1U);
+}
+
+TEST(LocalizerWithSource, TracksInANewerRevisionOfItsMap) {
+  const auto source = source_of_others();
+  source->add(1, storey_map(kSeed, "own"));
+  Localizer localizer(source, {}, {});
+  const std::vector<Moment> moments = storey_drive(82);
+  const std::vector<Moment> first(moments.begin(), moments.begin() + 80);
+  ASSERT_TRUE(answers_of(localizer, first).back().pose);
+  const LocalizationMapPtr newer = storey_map(kSeed, "newer");
+  std::vector<LocalizationMapPtr> maps = localizer.maps();
+  const auto at = std::ranges::find(localizer.map_keys(), MapKey{1});
+  maps.at(static_cast<std::size_t>(at - localizer.map_keys().begin())) = newer;
+  localizer.replace_maps(maps);
+  const Answer answer = localizer.process(moments[80].scan);
+  ASSERT_TRUE(answer.pose) << to_string(answer.reason);
+  EXPECT_EQ(answer.pose->map, newer);
+}
+
+TEST(LocalizerWithSource, HoldsNoMoreThanTheSourceHasRoomFor) {
+  const auto source = source_of_others();
+  source->add(1, storey_map(kSeed, "own"));
+  source->max_bytes = 3 * other_maps()[0]->bytes();
+  Localizer localizer(source, {}, {});
+  for (const Moment& moment : storey_drive(40)) {
+    const Answer answer = localizer.process(moment.scan);
+    std::size_t bytes = 0;
+    for (const LocalizationMapPtr& map : localizer.maps()) bytes += map->bytes();
+    EXPECT_LE(bytes, source->max_bytes);
+  }
+}
+
+/// Two corners of a long wall are all that it sees.
+TEST(LocalizerWithSource, StatesThatCornersAreFewAmongMoreMapsThanAreAllSearched) {
+  const auto source = source_of_others();
+  for (std::size_t i = 0; i < 40; ++i) source->add(static_cast<MapKey>(2000 + i), other_maps()[i]);
+  SceneBuilder scene;
+  scene.wall({-30.0, 2.0}, {2.0, 2.0}).wall({2.0, 2.0}, {2.0, 30.0});
+  Localizer localizer(source, {}, {});
+  std::vector<Pose2> poses;
+  for (int i = 0; i < 24; ++i) poses.push_back({-0.3 * i, 0.0, 0.0});
+  for (const Answer& answer : answers_of(localizer, drive(scene, {}, poses, 7))) {
+    EXPECT_EQ(answer.status, Status::kCollecting);
+    EXPECT_EQ(answer.reason, Reason::kFewFeatures);
+    EXPECT_LE(answer.confidence, 0.5 + 1e-9);
+  }
 }
 
 }  // namespace

@@ -66,6 +66,28 @@ TEST(MapCatalog, RanksTheMapOfTheRobotFirstAtItsPose) {
   }
 }
 
+TEST(MapCatalog, RanksMapsThatCameTogetherAsThoseThatCameOneByOne) {
+  std::vector<std::pair<MapKey, MapSketch>> maps;
+  for (std::size_t i = 0; i < kStoreys; ++i) maps.emplace_back(7, sketches()[kStoreys - 1 - i]);
+  for (std::size_t i = 0; i < kStoreys; ++i)
+    maps.emplace_back(static_cast<MapKey>(i), sketches()[i]);
+  MapCatalog together;
+  together.put_all(std::move(maps));
+  EXPECT_EQ(together.size(), kStoreys);
+  const MapCatalog one_by_one = catalog_of_storeys();
+  EXPECT_NEAR(together.free_area_m2(), one_by_one.free_area_m2(), 1e-6);
+  const Storey storey = random_storey(kFirstSeed + 3);
+  const View view = testing::view_along(storey.scene, first_poses(storey));
+  const auto ranked = ranking_of(together, view);
+  const auto expected = ranking_of(one_by_one, view);
+  ASSERT_EQ(ranked.size(), expected.size());
+  ASSERT_FALSE(ranked.empty());
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
+    EXPECT_EQ(ranked[i].key, expected[i].key);
+    EXPECT_EQ(ranked[i].mean_weight, expected[i].mean_weight);
+  }
+}
+
 TEST(MapCatalog, RanksTwinsAlike) {
   MapCatalog catalog = catalog_of_storeys();
   catalog.put(100, sketches()[2]);
