@@ -14,8 +14,10 @@ Result<void> GroupCommit::store(const storage::SessionChange& change) {
   is_writing_ = true;
   const std::vector<Waiting*> group = std::exchange(waiting_, {});
   lock.unlock();
-  write_group(group);
+  std::vector<Result<void>> results = write_group(group);
   lock.lock();
+  // Under the lock: the threads of the group may look at any time.
+  for (std::size_t i = 0; i < group.size(); ++i) group[i]->result = std::move(results[i]);
   is_writing_ = false;
   lock.unlock();
   written_.notify_all();
@@ -27,18 +29,16 @@ std::size_t GroupCommit::waiting() {
   return waiting_.size();
 }
 
-void GroupCommit::write_group(std::span<Waiting* const> group) const {
+std::vector<Result<void>> GroupCommit::write_group(std::span<Waiting* const> group) const {
   std::vector<storage::SessionChange> changes;
   changes.reserve(group.size());
   for (const Waiting* each : group) changes.push_back(each->change);
-  std::vector<Result<void>> results;
   try {
-    results = write_(changes);
+    return write_(changes);
   } catch (const std::exception& exception) {  // The others must not wait for ever.
     const Error error{ErrorCode::kInternal, exception.what(), ""};
-    results.assign(group.size(), Result<void>(error));
+    return std::vector<Result<void>>(group.size(), Result<void>(error));
   }
-  for (std::size_t i = 0; i < group.size(); ++i) group[i]->result = std::move(results[i]);
 }
 
 }  // namespace cornerfix::server

@@ -36,7 +36,7 @@ class GroupCommit {
     std::optional<Result<void>> result;
   };
 
-  void write_group(std::span<Waiting* const> group) const;
+  [[nodiscard]] std::vector<Result<void>> write_group(std::span<Waiting* const> group) const;
 
   const Write write_;
   std::mutex mutex_;

@@ -78,6 +78,32 @@ TEST(GroupCommitTest, JoinsWhatCameWhileAnotherChangeWasWritten) {
   EXPECT_EQ(store.groups(), (std::vector<std::size_t>{1, 3}));
 }
 
+// With ThreadSanitizer: no thread reads a result that another one is writing.
+TEST(GroupCommitTest, GivesEachOfManyThreadsItsOwnResult) {
+  GroupCommit commit([](std::span<const storage::SessionChange> changes) {
+    std::this_thread::yield();  // Others wait meanwhile, and are woken by the group before.
+    std::vector<Result<void>> results;
+    for (const storage::SessionChange& change : changes) {
+      results.push_back(change.id.empty() ? Result<void>()
+                                          : Result<void>(Error{ErrorCode::kConflict, "", ""}));
+    }
+    return results;
+  });
+  constexpr int kRounds = 2000;
+  const auto count_stored = [&commit](const char* id) {
+    int stored = 0;
+    for (int i = 0; i < kRounds; ++i) stored += commit.store({id, {}}) ? 1 : 0;
+    return stored;
+  };
+  std::vector<std::future<int>> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.push_back(std::async(std::launch::async, count_stored, i % 2 == 0 ? "" : "wrong"));
+  }
+  for (std::size_t i = 0; i < threads.size(); ++i) {
+    EXPECT_EQ(threads[i].get(), i % 2 == 0 ? kRounds : 0);
+  }
+}
+
 TEST(GroupCommitTest, GoesOnAfterAnException) {
   bool throws = true;
   GroupCommit commit([&](auto changes) {
