@@ -39,7 +39,7 @@ double probability_below_half(double changed, double unchanged) {
   return std::max(kLeast, Eigen::betainc(a, b, half)(0));
 }
 
-/// What a block in which two poses differ says of them.
+/// How two poses differ in a block.
 struct BlockDifference {
   double llr = 0.0;     ///< Of the favoured pose less that of the other one [nat].
   double weight = 1.0;  ///< Share of the copies of the place that do not match the block.
@@ -89,9 +89,9 @@ struct BlockNumbers {
   }
 };
 
-/// What the blocks say beyond a sign test, which takes it that a block that changed matches one of
-/// the two poses as probably as the other [nat]; >= 0. The probability of a coincidence is that of
-/// Laplace's rule of succession: of the `others`, as many match the block, and each block that
+/// Log-odds beyond those of a sign test [nat]; >= 0. A sign test takes it that a block that changed
+/// matches one of the two poses as probably as the other. Here the probability of a coincidence
+/// follows Laplace's rule of succession. Of the `others`, some match the block, and each block that
 /// favours the rival is one coincidence that happened.
 double coincidence_log_odds(std::span<const BlockDifference> blocks, const BlockNumbers& numbers,
                             std::size_t others) {

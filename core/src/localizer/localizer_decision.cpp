@@ -47,6 +47,7 @@ void Localizer::Impl::select_from_source(const View& view) {
     kept.keys.push_back(selection.keys[map]);
     kept.maps.push_back(maps[map]);
   }
+  const bool was_ranked = selection.is_ranked;
   selection =
       select_maps(*source, view,
                   {.kept = std::move(kept), .region = region, .distance_m = search.distance_m()});
@@ -54,7 +55,8 @@ void Localizer::Impl::select_from_source(const View& view) {
   if (accepted) accepted->map = new_index[accepted->map];
   search.use_selection({.new_index = new_index,
                         .free_area_m2 = source->free_area_m2(),
-                        .unsearched = selection.unsearched});
+                        .unsearched = selection.unsearched,
+                        .is_search_due = selection.is_ranked && !was_ranked});
 }
 
 void Localizer::Impl::release_other_maps() {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/src/base/thinned.hpp"
+#include "core/src/base/within.hpp"
 #include "core/src/search/map_index.hpp"
 #include "core/src/search/same_place.hpp"
 
@@ -111,7 +112,7 @@ std::vector<Hypothesis> hypotheses_from_corners(const LocalizationMap& map,
       places.judge(pose_from(mapped, corner), judges);
     }
   }
-  const std::vector<Point2> judges = thinned(ends_base_link, kJudges);
+  const std::vector<Point2> judges = thinned(within(ends_base_link, kCoarseReach), kJudges);
   for (const TriangleMatch& match :
        map.index().triangle_index.match(corners_base_link, {.max_trials = params.max_triangles,
                                                            .max_matches = kMaxTriangleMatches,

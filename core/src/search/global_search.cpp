@@ -196,6 +196,7 @@ void GlobalSearch::use_selection(const Selected& selected) {
   whole_area_m2_ = selected.free_area_m2;
   candidates_.renumber_maps(selected.new_index);
   candidates_.set_unsearched_maps(selected.unsearched);
+  if (selected.is_search_due) searched_at_ = {};
 }
 
 /// Whether maps were replaced since the search began.

@@ -64,6 +64,8 @@ class GlobalSearch {
     std::span<const std::size_t> new_index;  ///< By the index before; of no meaning where it left.
     double free_area_m2 = 0.0;               ///< Of all maps.
     std::size_t unsearched = 0;              ///< Others that may hold the robot.
+    /// Ranked, while those before were not: their search does not count.
+    bool is_search_due = false;
   };
   /// From now on maps are those of a selection. Not while a search is suspended.
   void use_selection(const Selected& selected);

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/src/base/thinned.hpp"
+#include "core/src/base/within.hpp"
 
 namespace cornerfix {
 namespace {
@@ -25,7 +26,7 @@ HitLevel level_at(const MapSketch& sketch, double x, double y) {
 }  // namespace
 
 HitJudge::HitJudge(std::span<const Point2> hits) {
-  const std::vector<Point2> some = thinned(hits, kHits);
+  const std::vector<Point2> some = thinned(within(hits, kCoarseReach), kHits);
   constexpr std::size_t kStep = kHits / kFirstHits;
   hits_.reserve(some.size());
   for (std::size_t first = 0; first < kStep; ++first) {
