@@ -37,7 +37,8 @@ std::vector<Result<void>> GroupCommit::write_group(std::span<Waiting* const> gro
     return write_(changes);
   } catch (const std::exception& exception) {  // The others must not wait for ever.
     const Error error{ErrorCode::kInternal, exception.what(), ""};
-    return std::vector<Result<void>>(group.size(), Result<void>(error));
+    std::vector<Result<void>> failed(group.size(), Result<void>(error));
+    return failed;
   }
 }
 
