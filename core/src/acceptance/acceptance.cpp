@@ -58,7 +58,7 @@ std::vector<BlockDifference> differences_of(const EvidenceScore& best, const Evi
                           .favours_best = best_llr > rival_llr};
     int copies = 0;
     for (const OtherPose& other : others) {
-      if (other.score == &rival) continue;
+      if (other.score == &rival || i >= other.score->block_llr.size()) continue;
       if (static_cast<double>(other.score->block_llr[i]) <= 0.5 * (best_llr + rival_llr)) continue;
       ++block.matching;
       if (other.is_shifted) ++copies;

@@ -40,8 +40,10 @@ DistanceField field_of(std::span<const PosedScan> scans, const OccupancyGrid& gr
   return field;
 }
 
+/// Of hits near the drive: farther ones bend with its drift, and other submaps saw them as bent in
+/// another way.
 Evidence evidence_of(std::span<const PosedScan> scans) {
-  EvidenceGrid grid;
+  EvidenceGrid grid({0.0, 0.0}, {.max_range_m = 15.0, .extent_m = 60.0});
   for (const PosedScan& scan : scans)
     grid.add(scan.scan, scan.T_map_base_link * scan.T_base_link_laser);
   return grid.collect();
