@@ -188,10 +188,10 @@ TEST(HardDrives, ALaserThatHangsUpsideDownIsNotMisled) {
   }
 }
 
-/// A laser that nods by five degrees, without a word of it in its mount, sees the floor where it
+/// A laser that looks down by five degrees, which its mount does not state, sees the floor where it
 /// should see far walls. The robot may stay without an answer; its first pose must be right. Later
-/// the line of the floor, which moves with the robot, draws the pose away along corridors.
-TEST(HardDrives, ALaserThatLooksDownByFiveDegreesIsNotMisledAtFirst) {
+/// poses may be wrong along corridors, because the hits on the floor move with the robot.
+TEST(HardDrives, ALaserThatLooksDownByFiveDegreesGivesNoWrongFirstPose) {
   constexpr double kHeight = 0.4;  // [m] above the floor
   const double pitch = 5.0 * kPi / 180.0;
   for (const std::uint64_t seed : kSeeds) {

@@ -176,6 +176,16 @@ TEST(RivalLogOdds, BlocksThatFavourTheRivalMakeCoincidencesProbable) {
   EXPECT_NEAR(rival_log_odds(best, rival, others), rival_log_odds(best, rival), 1e-9);
 }
 
+TEST(RivalLogOdds, APoseThatWasNotJudgedByBlocksMatchesNone) {
+  const EvidenceScore best = matching({true, true, true, true});
+  const EvidenceScore rival = matching({false, false, false, false});
+  const EvidenceScore unmatched = rival;
+  const EvidenceScore unjudged;
+  const std::vector<OtherPose> without_blocks{{&rival, false}, {&unjudged, false}};
+  const std::vector<OtherPose> with_blocks{{&rival, false}, {&unmatched, false}};
+  EXPECT_EQ(rival_log_odds(best, rival, without_blocks), rival_log_odds(best, rival, with_blocks));
+}
+
 TEST(RivalLogOdds, AreFiniteForThousandsOfBlocks) {
   const double large = log_odds_of(std::vector<float>(3600, 1.0F));
   EXPECT_TRUE(std::isfinite(large));

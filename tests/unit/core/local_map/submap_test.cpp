@@ -272,6 +272,29 @@ TEST(Submap, EvidenceLiesOnTheWallsFarFromTheStartToo) {
   EXPECT_LE(off, static_cast<int>(driver.submap.evidence().ends.size() / 50));
 }
 
+/// The square of the evidence moves along only when the robot is 10 m from its centre.
+TEST(Submap, HoldsHitsOfTheLongestRangeBeforeItsSquareMoves) {
+  const double range = EvidenceGridParams{}.max_range_m - 0.5;
+  const testing::SceneBuilder walls =
+      testing::SceneBuilder().wall({range, -5.0}, {range, 5.0}).wall({-5.0, range}, {5.0, range});
+  const LaserScan scan = testing::simulate_scan(walls, {.beams = 720, .range_max_m = 40.0}, {});
+  const Pose2 first;
+  const Pose2 last{9.9, 9.9, 0.0};
+  Submap submap;
+  submap.keep({0, scan, {}, first}, {});
+  submap.keep({1, scan, {}, last}, {});
+  const auto sees = [&](const Pose2& from) {
+    const auto near = [](const Point2& wanted) {
+      return [wanted](const Point2& end) { return (end - wanted).norm() < 0.3; };
+    };
+    const std::vector<Point2> ends = submap.evidence().ends;
+    return std::ranges::any_of(ends, near(from * Point2(range, 0.0))) &&
+           std::ranges::any_of(ends, near(from * Point2(0.0, range)));
+  };
+  EXPECT_TRUE(sees(first));
+  EXPECT_TRUE(sees(last));
+}
+
 /// A long way off the start the square that is kept has moved along.
 TEST(Submap, MatchesAlsoFarFromItsStart) {
   testing::SceneBuilder street = testing::SceneBuilder().room({0, 0}, {70, 6});

@@ -91,6 +91,19 @@ TEST(GlobalSearch, FindsTheMirrorImageOfAScanThatWasTakenUpsideDown) {
   EXPECT_TRUE(search.mirror_image_fits_better(office_maps(), upside_down));
 }
 
+TEST(GlobalSearch, ARoomThatDiffersFromItsMirrorImageInOneObjectIsSymmetric) {
+  testing::SceneBuilder scene;
+  scene.room({0.0, 0.0}, {8.0, 4.8}).box({5.6, 3.2}, {0.7, 0.7});
+  const std::vector<LocalizationMapPtr> maps{testing::make_map(scene, {3.2, 2.4})};
+  const Pose2 path[] = {{2.7, 2.4, 0.0}, {3.2, 2.4, 0.1}};
+  const View view = testing::view_along(scene, path);
+  GlobalSearch search(LocalizerParams{});
+  search.review(maps, view, {.map = 0, .T_map_base_link = path[1]}, true);
+  ASSERT_FALSE(search.candidates().empty());
+  EXPECT_THAT(search.candidates().best().T_map_base_link, IsPoseNear(path[1], 0.05, 0.02));
+  EXPECT_TRUE(search.mirror_image_fits_better(maps, view));
+}
+
 TEST(GlobalSearch, ReviewComparesTheTrackedPoseWithAllOthers) {
   GlobalSearch search(LocalizerParams{});
   const Candidate tracked{.map = 0, .T_map_base_link = kTruth};
