@@ -3,10 +3,10 @@
 ///
 /// Two conditions must hold. The pose must explain the scans by itself, better than the best of all
 /// poses in the map would by chance (an a-contrario test: Desolneux, Moisan, Morel 2000). And it
-/// must explain them better than every other pose in most of the squares in which the two differ (a
-/// sign test with an unknown rate of changes). The probability is the product: a large margin over
-/// rivals does not excuse a pose that explains nothing. Derivation and calibration:
-/// docs/method/05-acceptance.md.
+/// must explain them better than every other pose in most of the blocks in which the two differ.
+/// That is a sign test with an unknown rate of changes and an estimated rate of coincidences. The
+/// probability is the product: a large margin over rivals does not excuse a pose that explains
+/// nothing. Derivation and calibration: docs/method/05-acceptance.md.
 #pragma once
 
 #include <span>

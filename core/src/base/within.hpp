@@ -10,7 +10,8 @@
 
 namespace cornerfix {
 
-/// Farther hits would ask for a better heading than matched corners give [m].
+/// Hits that judge poses from matched corners [m]: their heading is not accurate enough for farther
+/// ones.
 inline constexpr double kCoarseReach = 15.0;
 
 /// The points at most `radius_m` from the origin, in their order.

@@ -100,9 +100,9 @@ void Localizer::Impl::decide(const View& view) {
     if (reason != Reason::kNone && search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
     // Without a ranking the maps that were searched are any.
     const bool is_any = unsearched() != Reason::kNone && !selection.is_ranked;
-    if (is_any || fits_badly || (reason == Reason::kNone && search.is_only_unsearched())) {
-      if (unsearched() != Reason::kNone) reason = unsearched();
-    }
+    const bool may_be_elsewhere =
+        is_any || fits_badly || (reason == Reason::kNone && search.is_only_unsearched());
+    if (may_be_elsewhere && unsearched() != Reason::kNone) reason = unsearched();
     if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
     return;
   }

@@ -19,7 +19,8 @@ constexpr std::size_t kEnoughPoints = 30;  // of a scan that may overrule odomet
 
 // Scans that were lost make an interval this many times longer; more are a pause.
 constexpr double kMaxIntervalRatio = 3.0;
-// Between scans without odometry: after more, a robot may be farther than a match can find it.
+// Longest interval between scans without odometry: beyond it the robot may have moved farther than
+// a match can find.
 constexpr double kMaxUnobserved = 1.5;  // [s]
 // Odometry that does not change while the robot moved by this much from scan to scan may hang.
 constexpr double kLeastMotion = 0.02;  // [m]

@@ -40,8 +40,7 @@ DistanceField field_of(std::span<const PosedScan> scans, const OccupancyGrid& gr
   return field;
 }
 
-/// Of hits near the way: farther ones bend with its drift, and other submaps saw them as bent in
-/// another way.
+/// Of hits near the path: the drift of the heading moves farther ones, in each submap differently.
 Evidence evidence_of(std::span<const PosedScan> scans) {
   EvidenceGrid grid({0.0, 0.0}, {.max_range_m = 15.0, .extent_m = 60.0});
   for (const PosedScan& scan : scans)
