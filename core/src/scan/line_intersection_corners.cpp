@@ -260,8 +260,9 @@ class CornerFinder {
   /// Lengthens an arm towards `last` while returns stay on its line. One stray return alone does
   /// not end it.
   [[nodiscard]] Line grown(Arm& arm, Index last, Index sense) const {
+    constexpr Index kMostAtOnce = 1 << 20;  // so that doubling ends before it overflows
     Line line = returns_.fit(arm);
-    for (Index most = 1; arm.far != last; most *= 2) {
+    for (Index most = 1; arm.far != last; most = std::min(2 * most, kMostAtOnce)) {
       const Index before = arm.far;
       for (Index i = 0; i < most && arm.far != last; ++i) {
         const Index next = arm.far + sense;
