@@ -4,27 +4,12 @@
 
 #include <string>
 
+#include "support/bitmap.hpp"
+
 namespace cornerfix {
 namespace {
 
-std::string little_endian(std::uint32_t value, int bytes) {
-  std::string out;
-  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
-  return out;
-}
-
-/// A bitmap without compression. `pixels` holds its padded rows.
-std::string make_bmp(int width, int height, int bits, const std::string& palette,
-                     const std::string& pixels) {
-  const auto colours = static_cast<std::uint32_t>(palette.size() / 4);
-  const auto pixels_at = static_cast<std::uint32_t>(54 + palette.size());
-  return "BM" + little_endian(pixels_at + static_cast<std::uint32_t>(pixels.size()), 4) +
-         little_endian(0, 4) + little_endian(pixels_at, 4) + little_endian(40, 4) +
-         little_endian(static_cast<std::uint32_t>(width), 4) +
-         little_endian(static_cast<std::uint32_t>(height), 4) + little_endian(1, 2) +
-         little_endian(static_cast<std::uint32_t>(bits), 2) + little_endian(0, 16) +
-         little_endian(colours, 4) + little_endian(0, 4) + palette + pixels;
-}
+using testing::make_bmp;
 
 std::span<const std::byte> bytes_of(const std::string& file) {
   return std::as_bytes(std::span(file));

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "support/bitmap.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -112,23 +114,7 @@ TEST(MapImage, TakesTheTruthValuesOfYamlForNegate) {
   }
 }
 
-/// Little-endian.
-std::string number(std::uint32_t value, std::size_t size) {
-  std::string out;
-  for (std::size_t i = 0; i < size; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
-  return out;
-}
-
-/// A bitmap; `palette` of blue, green, red and nothing; `rows` padded, the lowest first.
-std::string make_bmp(int width, int height, int bits, const std::string& palette,
-                     const std::string& rows, std::uint32_t compression = 0) {
-  const auto size = static_cast<std::uint32_t>(54 + palette.size());
-  return "BM" + number(0, 8) + number(size, 4) + number(40, 4) +
-         number(static_cast<std::uint32_t>(width), 4) +
-         number(static_cast<std::uint32_t>(height), 4) + number(1, 2) +
-         number(static_cast<std::uint32_t>(bits), 2) + number(compression, 4) + number(0, 12) +
-         number(static_cast<std::uint32_t>(palette.size() / 4), 4) + number(0, 4) + palette + rows;
-}
+using testing::make_bmp;
 
 TEST(MapImage, ReadsEveryKindOfBmp) {
   const std::string black_white = bytes({0, 0, 0, 0, 255, 255, 255, 0});
@@ -345,11 +331,11 @@ TEST(MapImage, ReadsBackWhatItWrote) {
   EXPECT_EQ(*again, grid);
 }
 
-class MapFiles : public testing::Test {
+class MapFiles : public ::testing::Test {
  protected:
   void SetUp() override {
-    directory_ = std::filesystem::path(testing::TempDir()) /
-                 testing::UnitTest::GetInstance()->current_test_info()->name();
+    directory_ = std::filesystem::path(::testing::TempDir()) /
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::create_directories(directory_ / "images");
   }
   void TearDown() override { std::filesystem::remove_all(directory_); }
