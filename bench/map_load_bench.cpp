@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/ray_caster.hpp>
+#include <cornerfix/occupancy_grid.hpp>
 
 #include "server/map_library.hpp"
 #include "support/drawn_grid.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <cornerfix/map_image.hpp>
-#include <cornerfix/ray_caster.hpp>
+#include <cornerfix/occupancy_grid.hpp>
 
 #include "core/src/map/distance_field.hpp"
 #include "core/src/map/evidence_model.hpp"

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include <cornerfix/map_catalog.hpp>
+#include <cornerfix/map_source.hpp>
 #include <cornerfix/result.hpp>
 
 #include "server/map_library.hpp"

@@ -56,10 +56,9 @@ forbid(FILES ${users} PATTERN "${include}core/" REASON "only core, bench and tes
 # The layers of core/src, from the lowest to the highest, each with the public headers that it implements.
 # Settings and answers (localizer_params.hpp, answer.hpp) are below all layers.
 set(higher_layers base scan features map matching local_map acceptance search tracking localizer slam assessment)
-set(headers_of_scan corners laser_scan ray_caster)
-set(headers_of_features descriptor)
+set(headers_of_scan corners laser_scan)
 set(headers_of_map map_image mapper)
-set(headers_of_search localization_map map_sketch map_catalog map_source)
+set(headers_of_search localization_map map_sketch map_source)
 set(headers_of_localizer localizer)
 set(headers_of_slam slam)
 set(headers_of_assessment localizability cornerfix)

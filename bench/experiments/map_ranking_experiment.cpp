@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/map_catalog.hpp>
+#include <cornerfix/map_source.hpp>
 #include <cornerfix/mapper.hpp>
 
 #include "bench/experiments/csv_file.hpp"

@@ -1,6 +1,6 @@
 #include "evaluation/simulation/run_planner.hpp"
 
-#include <cornerfix/ray_caster.hpp>
+#include <cornerfix/occupancy_grid.hpp>
 
 #include <algorithm>
 #include <cassert>

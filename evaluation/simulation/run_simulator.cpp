@@ -1,6 +1,6 @@
 #include "evaluation/simulation/run_simulator.hpp"
 
-#include <cornerfix/ray_caster.hpp>
+#include <cornerfix/occupancy_grid.hpp>
 
 #include <algorithm>
 #include <array>

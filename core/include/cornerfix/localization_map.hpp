@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <cornerfix/answer.hpp>
-#include <cornerfix/descriptor.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/mapper.hpp>
 
 namespace cornerfix {

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include <cornerfix/corners.hpp>
-#include <cornerfix/descriptor.hpp>
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/occupancy_grid.hpp>
 #include <cornerfix/result.hpp>

@@ -1,4 +1,4 @@
-#include <cornerfix/descriptor.hpp>
+#include <cornerfix/corners.hpp>
 
 #include <algorithm>
 #include <cassert>

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <cornerfix/descriptor.hpp>
+#include <cornerfix/corners.hpp>
 #include <cornerfix/localizer_params.hpp>
 #include <cornerfix/result.hpp>
 

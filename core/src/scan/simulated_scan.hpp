@@ -7,7 +7,6 @@
 
 #include <cornerfix/laser_scan.hpp>
 #include <cornerfix/occupancy_grid.hpp>
-#include <cornerfix/ray_caster.hpp>
 
 namespace cornerfix {
 

@@ -1,4 +1,4 @@
-#include <cornerfix/map_catalog.hpp>
+#include <cornerfix/map_source.hpp>
 
 #include <algorithm>
 #include <cmath>

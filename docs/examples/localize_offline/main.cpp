@@ -3,7 +3,7 @@
 #include <cornerfix/localizer.hpp>
 #include <cornerfix/map_image.hpp>
 #include <cornerfix/mapper.hpp>
-#include <cornerfix/ray_caster.hpp>
+#include <cornerfix/occupancy_grid.hpp>
 
 #include <cstdio>
 #include <memory>

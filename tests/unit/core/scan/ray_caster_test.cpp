@@ -1,4 +1,4 @@
-#include <cornerfix/ray_caster.hpp>
+#include <cornerfix/occupancy_grid.hpp>
 
 #include <gtest/gtest.h>
 
