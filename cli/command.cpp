@@ -1,11 +1,8 @@
 #include "cli/command.hpp"
 
-#include <spdlog/fmt/chrono.h>
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 
@@ -24,10 +21,6 @@ double number_in(const std::string& text) {
 }
 
 }  // namespace
-
-std::string utc_now_text() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
 
 int fail(const Error& error) {
   const std::string where = error.field.empty() ? "" : error.field + ": ";

@@ -4,8 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include <string>
-
 #include <cornerfix/result.hpp>
 
 #include "evaluation/datasets/log_reader.hpp"
@@ -15,9 +13,6 @@ namespace cornerfix::cli {
 constexpr int kDone = 0;
 constexpr int kCouldNot = 1;
 constexpr int kWrongUse = 2;
-
-/// RFC 3339 in UTC.
-std::string utc_now_text();
 
 /// Prints on stderr why something could not be done; returns kCouldNot.
 int fail(const Error& error);

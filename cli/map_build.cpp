@@ -16,6 +16,7 @@
 #include "clients/cpp/scan_json.hpp"
 #include "evaluation/datasets/mapping_scans.hpp"
 #include "server/map_library.hpp"
+#include "server/service_setup.hpp"
 #include "server/store_access.hpp"
 
 namespace cornerfix::cli {
@@ -109,7 +110,7 @@ Result<client::MapGrowth> build_into_file(const MapBuildArguments& arguments,
                                           evaluation::MappingScans& scans) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
-  server::MapLibrary library(*stores, {}, utc_now_text);
+  server::MapLibrary library(*stores, {}, server::now_text);
   const Result<void> described = describe_map(library, arguments, scans.log().header());
   if (!described) return described.error();
   Progress progress("mapping");

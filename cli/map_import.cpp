@@ -10,6 +10,7 @@
 #include "cli/server_options.hpp"
 #include "clients/cpp/map_upload.hpp"
 #include "server/map_library.hpp"
+#include "server/service_setup.hpp"
 #include "server/store_access.hpp"
 
 namespace cornerfix::cli {
@@ -33,7 +34,7 @@ Result<client::ImportedMap> import_into_file(const MapImportArguments& arguments
                                              const MapFiles& files) {
   const auto stores = server::StoreAccess::open(arguments.database);
   if (!stores) return stores.error();
-  server::MapLibrary library(*stores, {}, utc_now_text);
+  server::MapLibrary library(*stores, {}, server::now_text);
   auto report =
       library.put_floor_map(arguments.name, files.yaml, std::as_bytes(std::span(files.image)));
   if (!report) {

@@ -1,14 +1,13 @@
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "api/requests.hpp"
 #include "cli/command.hpp"
 #include "cli/table.hpp"
+#include "server/service_setup.hpp"
 #include "storage/database.hpp"
 #include "storage/token_store.hpp"
 
@@ -25,28 +24,9 @@ struct TokenArguments {
   std::int64_t id = 0;
 };
 
-/// 256 random bits, with a beginning by which scanners for leaked secrets can know it.
-std::string random_token() {
-  constexpr int kWords = 8;
-  std::random_device random;
-  std::string token = "cfx_";
-  for (int i = 0; i < kWords; ++i) {
-    char word[9];
-    std::snprintf(word, sizeof word, "%08x", random());
-    token += word;
-  }
-  return token;
-}
-
 std::string expiry_text(int days) {
-  if (days == 0) return "";
-  const auto time = std::chrono::system_clock::now() + std::chrono::days(days);
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
+  return days == 0 ? ""
+                   : server::time_text(std::chrono::system_clock::now() + std::chrono::days(days));
 }
 
 Result<storage::TokenStore> open_tokens(const std::string& database) {
@@ -58,12 +38,12 @@ Result<storage::TokenStore> open_tokens(const std::string& database) {
 int create(const TokenArguments& arguments) {
   Result<storage::TokenStore> tokens = open_tokens(arguments.database);
   if (!tokens) return fail(tokens.error());
-  const std::string token = random_token();
+  const std::string token = storage::random_token();
   const auto id = tokens->insert({.name = arguments.name,
                                   .role = arguments.role,
                                   .maps = arguments.maps,
                                   .hash = storage::hash_of_token(token),
-                                  .created = utc_now_text(),
+                                  .created = server::now_text(),
                                   .expires = expiry_text(arguments.days)});
   if (!id) return fail(id.error());
   std::fprintf(stderr, "token %lld; it is shown only now:\n", static_cast<long long>(*id));

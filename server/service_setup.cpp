@@ -16,15 +16,6 @@ namespace {
 
 using SystemClock = std::chrono::system_clock;
 
-std::string time_text(std::chrono::system_clock::time_point time) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::string text(sizeof "2000-01-01T00:00:00Z" - 1, '\0');
-  std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
-
 double now_ms() {
   return std::chrono::duration<double, std::milli>(
              std::chrono::steady_clock::now().time_since_epoch())
@@ -97,6 +88,15 @@ JobServiceSettings job_settings(const ServerConfig& config) {
 }
 
 }  // namespace
+
+std::string time_text(SystemClock::time_point time) {
+  const std::time_t seconds = SystemClock::to_time_t(time);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::string text(sizeof "2000-01-01T00:00:00Z" - 1, '\0');
+  std::strftime(text.data(), text.size() + 1, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
 
 std::string now_text() { return time_text(SystemClock::now()); }
 

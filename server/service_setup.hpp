@@ -1,6 +1,7 @@
 /// \file  The services of a configuration, as a running server has them.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 
@@ -11,7 +12,9 @@
 
 namespace cornerfix::server {
 
-/// The present time of the machine: RFC 3339, UTC.
+/// RFC 3339, UTC, to the second.
+[[nodiscard]] std::string time_text(std::chrono::system_clock::time_point time);
+/// The present time of the machine.
 [[nodiscard]] std::string now_text();
 
 /// Opens the database and makes the services. `load` is called for the metrics.

@@ -3,6 +3,8 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -37,6 +39,18 @@ TokenHash hash_of_token(std::string_view token) {
   if (EVP_Digest(token.data(), token.size(), hash.data(), &size, EVP_sha256(), nullptr) != 1)
     throw std::runtime_error("SHA-256 is not available");
   return hash;
+}
+
+std::string random_token() {
+  constexpr int kWords = 8;  // 256 bits
+  std::random_device random;
+  std::string token = "cfx_";
+  for (int i = 0; i < kWords; ++i) {
+    char word[9];
+    std::snprintf(word, sizeof word, "%08x", random());
+    token += word;
+  }
+  return token;
 }
 
 TokenStore::TokenStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}

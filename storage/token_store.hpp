@@ -19,6 +19,8 @@ class Database;
 /// SHA-256. Tokens have 256 random bits, so that a hash without salt cannot be searched.
 using TokenHash = std::array<std::uint8_t, 32>;
 [[nodiscard]] TokenHash hash_of_token(std::string_view token);
+/// A new token. It begins with "cfx_", by which scanners for leaked secrets recognise it.
+[[nodiscard]] std::string random_token();
 
 struct TokenRecord {
   std::int64_t id = 0;              ///< Given by insert() where it is 0.

@@ -71,5 +71,11 @@ TEST_P(TokenStoreTest, ShowsOtherConnectionsThatATokenWasAddedOrRemoved) {
   EXPECT_NE(other->data_version().value(), added);
 }
 
+TEST(RandomToken, HasA256BitNumberBehindItsPrefixAndComesOnce) {
+  const std::string token = random_token();
+  EXPECT_THAT(token, ::testing::MatchesRegex("cfx_[0-9a-f]{64}"));
+  EXPECT_NE(random_token(), token);
+}
+
 }  // namespace
 }  // namespace cornerfix::storage
