@@ -82,23 +82,6 @@ INSTANTIATE_TEST_SUITE_P(Localizer, LocalizerWithOddScans,
                                                    std::vector<float>(360, 25.0F)}),
                          [](const auto& test) { return std::string(test.param.name); });
 
-TEST(Localizer, APoseIsTakenBackWhenTheLidarIsCoveredOnTheWay) {
-  const std::vector<Moment> moments = room_drive(1, 60);
-  Localizer localizer({room_map(1)}, with(Method::kIndexed));
-  std::size_t i = 0;
-  while (i < 20) (void)localizer.process(moments[i++].scan);
-  ASSERT_EQ(localizer.state().status, Status::kLocalized);
-  Answer answer;
-  for (; i < moments.size(); ++i) {
-    RobotScan blind = moments[i].scan;
-    std::ranges::fill(blind.scan.ranges, kNoReturn);
-    answer = localizer.process(blind);
-  }
-  EXPECT_EQ(answer.status, Status::kLost);
-  EXPECT_EQ(answer.reason, Reason::kNoReturns);
-  EXPECT_FALSE(answer.pose.has_value());
-}
-
 TEST(Localizer, ACoveredLidarIsNeverLocalized) {
   const LocalizationMapPtr map = room_map(16);
   for (const Method method : kMethods) {

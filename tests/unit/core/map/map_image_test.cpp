@@ -1,71 +1,24 @@
 #include <cornerfix/map_image.hpp>
 
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include <algorithm>
 #include <fstream>
 
 #include "support/bitmap.hpp"
+#include "support/image_cells.hpp"
 
 namespace cornerfix {
 namespace {
 
-constexpr const char* kYaml = "image: map.pgm\nresolution: 0.1\norigin: [1.0, 2.0, 0.5]\n";
+using testing::bytes;
+using testing::drawn;
 
-std::string bytes(std::initializer_list<int> values) {
-  std::string out;
-  for (const int value : values) out.push_back(static_cast<char>(value));
-  return out;
-}
+constexpr const char* kYaml = "image: map.pgm\nresolution: 0.1\norigin: [1.0, 2.0, 0.5]\n";
 
 Result<OccupancyGrid> parse(const std::string& yaml, const std::string& image,
                             const MapImageLimits& limits = {}) {
   return parse_map(yaml, std::as_bytes(std::span(image)), limits);
-}
-
-/// The cells as text, highest row first: '.' free, '#' occupied, '?' unknown.
-std::string drawn(const OccupancyGrid& grid) {
-  std::string out;
-  for (int row = grid.height - 1; row >= 0; --row) {
-    for (int column = 0; column < grid.width; ++column) {
-      out += ".#?"[static_cast<int>(grid.at({column, row}))];
-    }
-    if (row > 0) out += '/';
-  }
-  return out;
-}
-
-std::string drawn(const Result<OccupancyGrid>& grid) {
-  return grid ? drawn(*grid) : grid.error().field + ": " + grid.error().message;
-}
-
-/// A png of the given kind; `rows` holds its raw rows.
-std::string make_png(int color_type, int bit_depth, const std::vector<std::string>& rows, int width,
-                     bool interlaced = false, const std::vector<png_color>& palette = {}) {
-  std::string out;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(png);
-  png_set_write_fn(
-      png, &out,
-      [](png_structp p, png_bytep data, std::size_t count) {
-        static_cast<std::string*>(png_get_io_ptr(p))
-            ->append(reinterpret_cast<const char*>(data), count);
-      },
-      [](png_structp) {});
-  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(rows.size()),
-               bit_depth, color_type, interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  if (!palette.empty()) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
-  png_write_info(png, info);
-  std::vector<std::string> copies = rows;
-  std::vector<png_bytep> pointers;
-  for (std::string& row : copies) pointers.push_back(reinterpret_cast<png_bytep>(row.data()));
-  png_set_interlace_handling(png);
-  png_write_image(png, pointers.data());
-  png_write_end(png, nullptr);
-  png_destroy_write_struct(&png, &info);
-  return out;
 }
 
 TEST(MapImage, PutsTheFirstImageRowAtTheHighestY) {
@@ -82,21 +35,6 @@ TEST(MapImage, TakesResolutionAndOriginWithItsYaw) {
   ASSERT_TRUE(grid.ok());
   EXPECT_EQ(grid->resolution, 0.1);
   EXPECT_EQ(grid->T_map_grid, (Pose2{1.0, 2.0, 0.5}));
-}
-
-TEST(MapImage, ReadsAPlainPgmWithComments) {
-  EXPECT_EQ(drawn(parse(kYaml, "P2 # by hand\n# size\n3 1\n# maximum\n100\n0 100\t80\n")), "#.?");
-}
-
-TEST(MapImage, ReadsSixteenBitValuesHighByteFirst) {
-  EXPECT_EQ(drawn(parse(kYaml, "P5\n2 1\n65535\n" + bytes({0x00, 0xff, 0xff, 0x00}))), "#.");
-}
-
-TEST(MapImage, TakesAHeaderWhoseLinesEndAsOnWindows) {
-  const std::string header = "P5\r\n3 1\r\n255\r\n";
-  EXPECT_EQ(drawn(parse(kYaml, header + bytes({0, 255, 0}))), "#.#");
-  EXPECT_EQ(drawn(parse(kYaml, "P5\n3 1\n255\r\n" + bytes({255, 0}))), "#.#")
-      << "where nothing is left over, the line feed is a pixel";
 }
 
 TEST(MapImage, NegateTurnsBlackIntoFree) {
@@ -193,55 +131,6 @@ TEST(MapImage, ReadsScaleByItsThresholds) {
       "#?.");
 }
 
-TEST(MapImage, ReadsEveryKindOfPng) {
-  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 205, 254})}, 3))),
-            "#?.");
-  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY, 1, {bytes({0b01000000})}, 2))), "#.");
-  EXPECT_EQ(drawn(parse(kYaml,
-                        make_png(PNG_COLOR_TYPE_GRAY, 16, {bytes({0, 0, 205, 205, 254, 254})}, 3))),
-            "#?.");
-  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8,
-                                        {bytes({0, 255, 254, 255, 254, 0})}, 3))),
-            "#.?");
-  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_RGB, 8,
-                                        {bytes({0, 0, 0, 254, 254, 254, 205, 205, 205})}, 3))),
-            "#.?");
-  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_PALETTE, 8, {bytes({1, 0})}, 2, false,
-                                        {{255, 255, 255}, {0, 0, 0}}))),
-            "#.");
-}
-
-TEST(MapImage, TakesAPixelForUnknownThatIsMoreTransparentThanNot) {
-  EXPECT_EQ(drawn(parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8,
-                                        {bytes({0, 254, 254, 128, 254, 127})}, 3))),
-            "#.?");
-}
-
-TEST(MapImage, ReadsAnInterlacedPng) {
-  std::vector<std::string> rows;
-  for (int row = 0; row < 9; ++row) {
-    std::string pixels(9, static_cast<char>(254));
-    pixels[static_cast<std::size_t>(row)] = 0;
-    rows.push_back(pixels);
-  }
-  const auto grid = parse(kYaml, make_png(PNG_COLOR_TYPE_GRAY, 8, rows, 9, true));
-  ASSERT_TRUE(grid.ok()) << grid.error().message;
-  for (int row = 0; row < 9; ++row) {
-    for (int column = 0; column < 9; ++column) {
-      EXPECT_EQ(grid->at({column, 8 - row}), row == column ? Cell::kOccupied : Cell::kFree);
-    }
-  }
-}
-
-TEST(MapImage, SurvivesEveryCutOfAPng) {
-  std::string row(40, static_cast<char>(254));
-  for (std::size_t i = 0; i < row.size(); ++i) row[i] = static_cast<char>(i * 37);
-  const std::string png = make_png(PNG_COLOR_TYPE_GRAY, 8, {row, row, row}, 40);
-  for (std::size_t size = 0; size + 16 < png.size(); ++size) {
-    EXPECT_FALSE(parse(kYaml, png.substr(0, size)).ok()) << size;
-  }
-}
-
 TEST(MapImage, RefusesWhatIsBroken) {
   const std::string image = "P5\n1 1\n255\n" + bytes({0});
   const std::vector<std::pair<std::string, std::string>> yaml_and_field = {
@@ -308,9 +197,6 @@ TEST(MapImage, RefusesASizeAboveItsLimitByTheHeaderAlone) {
     ASSERT_FALSE(grid.ok());
     EXPECT_EQ(grid.error().code, ErrorCode::kTooLarge) << grid.error().message;
   }
-  const std::string png = make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 0}), bytes({0, 0})}, 2);
-  EXPECT_TRUE(parse(kYaml, png, {.max_cells = 4}).ok());
-  EXPECT_EQ(parse(kYaml, png, {.max_cells = 3}).error().code, ErrorCode::kTooLarge);
 }
 
 OccupancyGrid small_grid() {

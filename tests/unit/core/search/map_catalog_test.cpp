@@ -7,7 +7,6 @@
 
 #include <cornerfix/mapper.hpp>
 
-#include "core/src/search/corner_pairs.hpp"
 #include "support/seen_view.hpp"
 #include "support/simulated_drive.hpp"
 #include "support/storeys.hpp"
@@ -147,58 +146,6 @@ TEST(MapCatalog, NeedsLessThanAKilobytePerFeature) {
     features += sketches()[i].corners.size();
   }
   EXPECT_LT(catalog.bytes() - empty, 1000 * features);
-}
-
-TEST(MapSketch, KnowsWallsFreeSpaceAndWhatIsUnknown) {
-  const Storey storey = random_storey(kFirstSeed);
-  const MapSketch& sketch = sketches().front();
-  const auto level_at = [&](const Point2& p_map) {
-    const Point2 p = inverse(sketch.T_map_grid) * p_map / sketch.cell_m;
-    return sketch.level(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
-  };
-  EXPECT_EQ(level_at({0.0, storey.inside.y()}), HitLevel::kWall);
-  EXPECT_EQ(level_at({0.5, storey.inside.y()}), HitLevel::kFree);
-  EXPECT_EQ(level_at({-20.0, 0.0}), HitLevel::kUnknown);
-  EXPECT_GT(sketch.corners.size(), 20U);
-  EXPECT_NEAR(sketch.cell_m, 0.2, 1e-9);
-}
-
-TEST(CornerPairs, HaveTheSameClassWhereverTheyAreSeenFrom) {
-  const OrientedCorner a{{1.0, 2.0}, 0.4, true};
-  const OrientedCorner b{{4.1, 3.2}, -2.0, false};
-  const Pose2 T{-7.0, 3.0, 2.2};
-  const auto moved = [&](const OrientedCorner& one) {
-    return OrientedCorner{T * one.position, wrap_angle(one.bisector + T.yaw), one.convex};
-  };
-  const auto here = corner_pair(a, b);
-  const auto there = corner_pair(moved(a), moved(b));
-  ASSERT_TRUE(here && there);
-  std::vector<std::size_t> keys;
-  keys_near(*here, keys);
-  EXPECT_THAT(keys, ::testing::Contains(key_of(*there)));
-  EXPECT_LT(distance(T * here->T_frame_pair, there->T_frame_pair), 1e-9);
-  keys.clear();
-  keys_near(*corner_pair(b, a), keys);
-  EXPECT_THAT(keys, ::testing::Not(::testing::Contains(key_of(*here))));
-}
-
-TEST(CornerPairs, AreNeitherTooNearNorTooFar) {
-  const OrientedCorner a{{0.0, 0.0}, 0.0, true};
-  EXPECT_FALSE(corner_pair(a, {{0.5, 0.0}, 0.0, true}));
-  EXPECT_FALSE(corner_pair(a, {{17.0, 0.0}, 0.0, true}));
-  EXPECT_TRUE(corner_pair(a, {{15.9, 0.0}, 0.0, true}));
-}
-
-TEST(CornerPairs, OfNeighborsComeOnce) {
-  std::vector<SketchCorner> corners;
-  for (int i = 0; i < 10; ++i)
-    corners.push_back({static_cast<float>(2 * i), 0.0F, 0.0F, 1.5F, true});
-  const auto pairs = neighboring_pairs(corners, 2);
-  EXPECT_THAT(pairs, ::testing::Contains(std::pair(0U, 1U)));
-  EXPECT_THAT(pairs, ::testing::Each(::testing::Truly([](const auto& pair) {
-                return pair.first < pair.second && pair.second - pair.first <= 2;
-              })));
-  EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
 }
 
 }  // namespace
