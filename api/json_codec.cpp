@@ -77,10 +77,11 @@ Json feature_json(std::size_t id, const Feature& feature) {
           {"count", feature.count}};
 }
 
-/// A text of the store; null when it is empty.
-Json stored(std::string_view text) {
-  Json json = Json::parse(text, nullptr, false);
-  return json.is_discarded() ? Json(nullptr) : json;
+Json lidars_by_name(const Lidars& lidars) {
+  if (lidars.by_name.empty()) return nullptr;
+  Json json;
+  for (const auto& [name, lidar] : lidars.by_name) json[name] = render_lidar(lidar);
+  return json;
 }
 
 std::string as_string(const std::vector<std::uint8_t>& bytes) {
@@ -158,6 +159,21 @@ Json with_points(Json answer, const RobotScan& last_scan,
   return answer;
 }
 
+Json render_lidar(const Lidar& lidar) {
+  Json json = {{"angle_min", lidar.angle_min},
+               {"angle_increment", lidar.angle_increment},
+               {"range_min", lidar.range_min},
+               {"range_max", nullptr}};  // JSON has no infinity.
+  if (std::isfinite(lidar.range_max)) json["range_max"] = lidar.range_max;
+  if (lidar.beams) json["beams"] = *lidar.beams;
+  if (lidar.time_increment != 0.0) json["time_increment"] = lidar.time_increment;
+  const Pose2& mount = lidar.T_base_link_laser;
+  json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
+  if (lidar.tilt.roll != 0.0) json["mount"]["roll"] = lidar.tilt.roll;
+  if (lidar.tilt.pitch != 0.0) json["mount"]["pitch"] = lidar.tilt.pitch;
+  return json;
+}
+
 Json render_map(const MapEntry& map) {
   return {{"name", map.name},
           {"description", map.description},
@@ -169,8 +185,8 @@ Json render_map(const MapEntry& map) {
           {"bounds", bounds_json(map.bounds)},
           {"created", map.created},
           {"updated", map.updated},
-          {"lidar", stored(map.lidar_json)},
-          {"parameters", params_to_json(mapper_params_from_json(map.parameters_json))}};
+          {"lidar", map.lidar ? render_lidar(*map.lidar) : Json(nullptr)},
+          {"parameters", params_to_json(map.parameters)}};
 }
 
 Json render_map_list(std::span<const MapEntry> maps,
@@ -227,11 +243,10 @@ Json render_session(const SessionEntry& session) {
   Json json = {{"id", session.id}, {"robot", session.robot}};
   json["map"] = one_map ? Json(session.maps.front()) : Json(nullptr);
   json["maps"] = session.maps.empty() ? Json(nullptr) : Json(session.maps);
-  const Json lidar = stored(session.lidar_json);
-  const bool has_several = lidar.contains("lidars");
-  json["lidar"] = has_several ? Json(nullptr) : lidar;
-  json["lidars"] = has_several ? lidar["lidars"] : Json(nullptr);
-  json["options"] = params_to_json(params_from_json(session.options_json));
+  const std::optional<Lidar>& lidar = session.lidars.only;
+  json["lidar"] = lidar ? render_lidar(*lidar) : Json(nullptr);
+  json["lidars"] = lidars_by_name(session.lidars);
+  json["options"] = params_to_json(session.params);
   json["near"] = render_start_region(session.region);
   json["created"] = session.created;
   json["last_seen"] = session.last_seen;

@@ -38,6 +38,9 @@ struct AnswerOrigin {
 [[nodiscard]] Json with_points(Json answer, const RobotScan& last_scan,
                                std::span<const Point2> features_base_link);
 
+/// `lidar` of the contract, as it is stored, too.
+[[nodiscard]] Json render_lidar(const Lidar& lidar);
+
 /// A map without its content.
 struct MapEntry {
   std::string_view name;
@@ -50,8 +53,8 @@ struct MapEntry {
   std::optional<Bounds> bounds;
   std::string_view created;  ///< RFC 3339.
   std::string_view updated;
-  std::string_view lidar_json;       ///< As made by a parse; empty: none.
-  std::string_view parameters_json;  ///< As made by a parse; empty: defaults.
+  std::optional<Lidar> lidar;
+  MapperParams parameters;
 };
 /// `parameters` are all that are in force, defaults too.
 [[nodiscard]] Json render_map(const MapEntry& map);
@@ -96,8 +99,8 @@ struct SessionEntry {
   std::string_view superseded_by;     ///< Id of a newer session of the robot; empty: none.
   std::uint64_t expected = 0;         ///< Sequence of the next batch.
   Status status = Status::kCollecting;
-  std::string_view lidar_json;  ///< As made by lidars_to_json().
-  std::string_view options_json;
+  Lidars lidars;
+  LocalizerParams params;
   std::optional<StartRegion> region;  ///< While it restricts the search.
   const Json* last_answer = nullptr;  ///< Null before the first batch, also after a reset.
   bool is_damaged = false;            ///< What is stored of its state cannot be read.

@@ -55,8 +55,7 @@ Problem make_problem(ErrorCode code, std::string detail) {
           .code = info.code,
           .title = info.title,
           .detail = std::move(detail),
-          .errors = {},
-          .extra_json = {}};
+          .errors = {}};
 }
 
 Problem to_problem(const Error& error) {
@@ -81,9 +80,10 @@ std::string render(const Problem& problem) {
   for (const FieldError& error : problem.errors) {
     body["errors"].push_back({{"pointer", error.pointer}, {"detail", error.detail}});
   }
-  if (!problem.extra_json.empty()) {
-    const auto extra = nlohmann::ordered_json::parse(problem.extra_json, nullptr, false);
-    if (extra.is_object()) body.update(extra);
+  if (const auto& conflict = problem.conflict) {
+    body["expected"] = conflict->expected;
+    body["last_stamp"] =
+        conflict->last_stamp ? nlohmann::ordered_json(*conflict->last_stamp) : nullptr;
   }
   return body.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,13 +18,19 @@ struct FieldError {
   std::string detail;
 };
 
+/// Where a session stands, for a robot that posted another batch.
+struct SequenceConflict {
+  std::uint64_t expected = 0;        ///< Sequence of the next batch.
+  std::optional<double> last_stamp;  ///< Of the last scan [s]; null before the first.
+};
+
 struct Problem {
   int status = 500;
   std::string code;  ///< Stable, snake_case: "invalid_argument", "conflict", …
   std::string title;
   std::string detail;
   std::vector<FieldError> errors;
-  std::string extra_json;  ///< Members to merge, e.g. {"expected": 3}; empty for none.
+  std::optional<SequenceConflict> conflict{};  ///< Adds its members to the document.
 };
 
 [[nodiscard]] int http_status(ErrorCode code);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "api/body_reader.hpp"
+#include "api/json_codec.hpp"
 #include "api/json_field.hpp"
 #include "api/params_codec.hpp"
 #include "api/scan_batch.hpp"
@@ -203,7 +204,7 @@ Parsed<PutMapRequest> parse_map_entry(std::string_view body, BodyFormat format,
         }
         if (const auto field = root.find("lidar")) {
           check(*field);
-          if (const auto lidar = read_lidar(*field)) request.lidar_json = lidar_to_json(*lidar);
+          request.lidar = read_lidar(*field);
         }
         if (const auto parameters = root.find("parameters")) {
           MapperParams params;
@@ -274,7 +275,6 @@ Parsed<CreateSessionRequest> parse_create_session(std::string_view body, BodyFor
         read_maps(root, request.maps);
         check_lidars(root);
         request.lidars = read_lidars(root);
-        request.lidar_json = lidars_to_json(request.lidars);
         if (const auto near = root.find("near")) request.region = read_start_region(*near);
         read_options(root, request.params, &request.options_json);
       });
@@ -313,32 +313,13 @@ Parsed<LocalizeRequest> parse_localize(std::string_view body, BodyFormat format,
       });
 }
 
-namespace {
-
-nlohmann::ordered_json lidar_document(const Lidar& lidar) {
-  nlohmann::ordered_json json = {{"angle_min", lidar.angle_min},
-                                 {"angle_increment", lidar.angle_increment},
-                                 {"range_min", lidar.range_min},
-                                 {"range_max", nullptr}};  // JSON has no infinity.
-  if (std::isfinite(lidar.range_max)) json["range_max"] = lidar.range_max;
-  if (lidar.beams) json["beams"] = *lidar.beams;
-  if (lidar.time_increment != 0.0) json["time_increment"] = lidar.time_increment;
-  const Pose2& mount = lidar.T_base_link_laser;
-  json["mount"] = {{"x", mount.x}, {"y", mount.y}, {"yaw", mount.yaw}};
-  if (lidar.tilt.roll != 0.0) json["mount"]["roll"] = lidar.tilt.roll;
-  if (lidar.tilt.pitch != 0.0) json["mount"]["pitch"] = lidar.tilt.pitch;
-  return json;
-}
-
-}  // namespace
-
-std::string lidar_to_json(const Lidar& lidar) { return lidar_document(lidar).dump(); }
+std::string lidar_to_json(const Lidar& lidar) { return render_lidar(lidar).dump(); }
 
 std::string lidars_to_json(const Lidars& lidars) {
   if (lidars.only) return lidar_to_json(*lidars.only);
   if (lidars.by_name.empty()) return "";
   nlohmann::ordered_json json;
-  for (const auto& [name, lidar] : lidars.by_name) json["lidars"][name] = lidar_document(lidar);
+  for (const auto& [name, lidar] : lidars.by_name) json["lidars"][name] = render_lidar(lidar);
   return json.dump();
 }
 
@@ -364,7 +345,7 @@ bool is_put_map_request(std::string_view description, std::string_view lidar_jso
       parse_map_entry(body + "}", BodyFormat::kJson, [](const JsonField& /*lidar*/) {});
   const auto* request = std::get_if<PutMapRequest>(&parsed);
   return request != nullptr && request->description == description &&
-         request->lidar_json.value_or("") == lidar_json &&
+         (request->lidar ? lidar_to_json(*request->lidar) : "") == lidar_json &&
          request->parameters_json.value_or("") == parameters_json;
 }
 

@@ -57,8 +57,9 @@ struct Lidars {
 
 struct PutMapRequest {
   std::optional<std::string> description;
-  std::optional<std::string> lidar_json;       ///< Normalised text of the validated member.
-  std::optional<std::string> parameters_json;  ///< Normalised text of the validated member.
+  std::optional<Lidar> lidar;
+  /// The parameters that were given, as the text that is stored: a map's digest is made of it.
+  std::optional<std::string> parameters_json;
 };
 struct MapScansRequest {
   /// The body's, or else the map's. Nothing when each scan brings its own.
@@ -81,8 +82,8 @@ struct CreateSessionRequest {
   std::string robot;
   std::vector<std::string> maps;  ///< Empty: every map.
   Lidars lidars;
-  std::string lidar_json, options_json;
-  LocalizerParams params;  ///< Defaults with `options` applied.
+  std::string options_json;  ///< The options that were given, as the text that is stored.
+  LocalizerParams params;    ///< Defaults with them applied.
   std::optional<StartRegion> region;
 };
 struct ResetRequest {

@@ -98,7 +98,7 @@ Response problem_response(int status, std::string_view code, std::string detail)
                                        .title = std::string(title_of(status)),
                                        .detail = std::move(detail),
                                        .errors = {},
-                                       .extra_json = {}});
+                                       .conflict = {}});
 }
 
 Response too_many_response(std::string_view code, std::string detail, std::chrono::seconds wait) {

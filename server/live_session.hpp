@@ -31,7 +31,8 @@ struct SessionView {
   /// Id of the newest session of the robot, if that is another one.
   std::string superseded_by{};
   std::vector<std::string> maps;  ///< As asked for; empty: every map.
-  std::string lidar_json, options_json;
+  api::Lidars lidars;
+  LocalizerParams params;
   std::optional<StartRegion> region{};  ///< While it restricts the search.
   std::uint64_t expected_sequence = 0;
   Status status = Status::kCollecting;

@@ -98,7 +98,7 @@ Result<std::optional<SessionView>> LocalizationService::create(
                              .robot = request.robot,
                              .created = now,
                              .maps = request.maps,
-                             .lidar_json = request.lidar_json,
+                             .lidar_json = api::lidars_to_json(request.lidars),
                              .options_json = request.options_json,
                              .expected_sequence = 0,
                              .last_answer = {},
@@ -173,20 +173,21 @@ Result<SessionList> LocalizationService::list(const SessionListRequest& request)
   for (std::size_t i = 0; i < records->size(); ++i) {
     SessionRecord& record = (*records)[i];
     const bool is_answered = record.state.scans > 0;
-    list.sessions.push_back({.id = std::move(record.id),
-                             .robot = std::move(record.robot),
-                             .created = std::move(record.created),
-                             .last_seen = record.last_used,
-                             .is_stale = is_stale(record.last_used),
-                             .superseded_by = std::move(superseded_by[i]),
-                             .maps = std::move(record.maps),
-                             .lidar_json = std::move(record.lidar_json),
-                             .options_json = std::move(record.options_json),
-                             .region = std::move(record.state.region),
-                             .expected_sequence = record.expected_sequence,
-                             .status = record.state.status,
-                             .last_answer = is_answered ? std::move(record.last_answer) : "",
-                             .is_damaged = record.is_damaged});
+    list.sessions.push_back(
+        {.id = std::move(record.id),
+         .robot = std::move(record.robot),
+         .created = std::move(record.created),
+         .last_seen = record.last_used,
+         .is_stale = is_stale(record.last_used),
+         .superseded_by = std::move(superseded_by[i]),
+         .maps = std::move(record.maps),
+         .lidars = api::lidars_from_json(record.lidar_json).value_or(api::Lidars()),
+         .params = api::params_from_json(record.options_json),
+         .region = std::move(record.state.region),
+         .expected_sequence = record.expected_sequence,
+         .status = record.state.status,
+         .last_answer = is_answered ? std::move(record.last_answer) : "",
+         .is_damaged = record.is_damaged});
   }
   return list;
 }

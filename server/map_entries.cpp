@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/revision_codec.hpp"
+#include "server/growing_map.hpp"
 
 namespace cornerfix::server {
 
@@ -17,8 +18,8 @@ api::MapEntry entry_of(const storage::MapInfo& info) {
           .bounds = info.bounds,
           .created = info.created,
           .updated = info.updated,
-          .lidar_json = info.lidar_json,
-          .parameters_json = info.parameters_json};
+          .lidar = api::lidar_from_json(info.lidar_json),
+          .parameters = mapper_params(info)};
 }
 
 api::Json revisions_of(std::string_view map, const std::vector<storage::MapRevision>& revisions) {

@@ -126,15 +126,16 @@ Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapReques
   remade.parameters_json = *merged;
   const auto outline = outline_with(remade);
   if (!outline) return outline.error();
-  return store_entry(name, {request.description, request.lidar_json, *merged},
+  return store_entry(name, {request.description, request.lidar, *merged},
                      storage::MapRemake{.expected_revision = found->revision, .outline = *outline});
 }
 
 Result<bool> MapLibrary::store_entry(std::string_view name, const api::PutMapRequest& request,
                                      const std::optional<storage::MapRemake>& remake) {
+  std::optional<std::string> lidar_json;
+  if (request.lidar) lidar_json = api::lidar_to_json(*request.lidar);
   return stores_->with_maps([&](MapStore& maps) {
-    return maps.put(name, request.description, request.lidar_json, request.parameters_json, now_(),
-                    remake);
+    return maps.put(name, request.description, lidar_json, request.parameters_json, now_(), remake);
   });
 }
 

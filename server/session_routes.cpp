@@ -31,8 +31,8 @@ Json session_json(const SessionView& view, UsedVersions& versions) {
                                       .is_stale = view.is_stale,
                                       .superseded_by = view.superseded_by,
                                       .expected = view.expected_sequence,
-                                      .lidar_json = view.lidar_json,
-                                      .options_json = view.options_json,
+                                      .lidars = view.lidars,
+                                      .params = view.params,
                                       .region = view.region,
                                       .last_answer = answer.is_null() ? nullptr : &answer,
                                       .is_damaged = view.is_damaged});
@@ -231,15 +231,13 @@ class SessionRoutes {
                   "."
             : "The batch has sequence " + std::to_string(sequence) + "; the session expects " +
                   expected + ".";
-    const Json last_stamp = outcome.last_stamp ? Json(*outcome.last_stamp) : Json(nullptr);
-    return problem_response(api::Problem{
-        .status = 409,
-        .code = "sequence_conflict",
-        .title = "Wrong sequence",
-        .detail = detail,
-        .errors = {},
-        .extra_json =
-            Json{{"expected", *outcome.expected_sequence}, {"last_stamp", last_stamp}}.dump()});
+    return problem_response(
+        api::Problem{.status = 409,
+                     .code = "sequence_conflict",
+                     .title = "Wrong sequence",
+                     .detail = detail,
+                     .errors = {},
+                     .conflict = {{*outcome.expected_sequence, outcome.last_stamp}}});
   }
 
   Services services_;

@@ -66,10 +66,11 @@ void check(const api::TrajectoryRequest& request) {
 }
 void check(const api::CreateSessionRequest& request) {
   require(api::is_valid_name(request.robot) && !validate(request.params));
-  require(api::lidars_from_json(request.lidar_json) == request.lidars);
+  require(api::lidars_from_json(api::lidars_to_json(request.lidars)) == request.lidars);
 }
 void check(const api::PutMapRequest& request) {
-  if (request.lidar_json) require(api::lidar_from_json(*request.lidar_json).has_value());
+  if (request.lidar)
+    require(api::lidar_from_json(api::lidar_to_json(*request.lidar)) == request.lidar);
   if (request.parameters_json) {
     require(!validate(api::mapper_params_from_json(*request.parameters_json)));
   }

@@ -127,7 +127,7 @@ TEST(RenderMap, TellsParametersInForceAndNoBoundsWhenEmpty) {
   MapEntry entry;
   entry.name = "office-2";
   entry.revision = 1;
-  entry.parameters_json = R"({"grid":{"resolution_m":0.1}})";
+  entry.parameters.grid.resolution_m = 0.1;
   const Json json = render_map(entry);
   EXPECT_TRUE(json.at("bounds").is_null());
   EXPECT_TRUE(json.at("lidar").is_null());

@@ -307,8 +307,7 @@ TEST(OpenapiSchema, IsWhatMapsFit) {
   MapEntry entry;
   entry.name = "office";
   EXPECT_THAT(misfits("Map", render_map(entry)), IsEmpty());
-  const std::string lidar = lidar_to_json({-1.0, 0.5, 0.1, 10.0, 3, {}});
-  entry.lidar_json = lidar;
+  entry.lidar = Lidar{-1.0, 0.5, 0.1, 10.0, 3, {}};
   entry.bounds = Bounds{{0.0, 0.0}, {1.0, 1.0}};
   const std::vector<MapEntry> entries{entry};
   EXPECT_THAT(misfits("MapList", render_map_list(entries, "office")), IsEmpty());
@@ -323,13 +322,12 @@ TEST(OpenapiSchema, IsWhatFeaturesFit) {
 }
 
 TEST(OpenapiSchema, IsWhatSessionsFit) {
-  const std::string lidar = lidar_to_json({-1.0, 0.5, 0.1, 10.0, {}, {}});
   const std::vector<std::string> maps{"office"};
   const Json answer = render_answer(Answer{}, {"s", 0, 0.0});
   SessionEntry entry;
   entry.id = "s";
   entry.robot = "r2";
-  entry.lidar_json = lidar;
+  entry.lidars.only = Lidar{-1.0, 0.5, 0.1, 10.0, {}, {}};
   EXPECT_THAT(misfits("Session", render_session(entry)), IsEmpty());
   entry.maps = maps;
   entry.last_answer = &answer;
@@ -340,8 +338,7 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
   Lidars lidars;
   lidars.by_name["front"] = {-1.0, 0.5, 0.1, 10.0, {}, {}};
   lidars.by_name["front"].tilt = {.roll = 3.1, .pitch = 0.1};
-  const std::string several = lidars_to_json(lidars);
-  entry.lidar_json = several;
+  entry.lidars = lidars;
   const Json session = render_session(entry);
   EXPECT_THAT(misfits("Session", session), IsEmpty());
   EXPECT_TRUE(session["lidar"].is_null());
@@ -369,7 +366,7 @@ TEST(OpenapiSchema, IsWhatProfilesFit) {
 TEST(OpenapiSchema, IsWhatProblemsFit) {
   Problem problem = make_problem(ErrorCode::kInvalidArgument, "wrong");
   problem.errors.push_back({"/scans", "is needed"});
-  problem.extra_json = R"({"expected": 3})";
+  problem.conflict = {.expected = 3, .last_stamp = std::nullopt};
   EXPECT_THAT(misfits("Problem", Json::parse(render(problem))), IsEmpty());
 }
 

@@ -34,10 +34,14 @@ TEST(Problem, LeavesErrorsOutWhenThereAreNone) {
   EXPECT_FALSE(body.contains("errors"));
 }
 
-TEST(Problem, MergesExtraMembers) {
+TEST(Problem, StatesWhereASessionIsForABatchOfAnotherSequence) {
   Problem problem = make_problem(ErrorCode::kConflict, "ahead");
-  problem.extra_json = R"({"expected": 3})";
+  EXPECT_FALSE(nlohmann::json::parse(render(problem)).contains("expected"));
+  problem.conflict = {.expected = 3, .last_stamp = 12.5};
   EXPECT_EQ(nlohmann::json::parse(render(problem)).at("expected"), 3);
+  EXPECT_EQ(nlohmann::json::parse(render(problem)).at("last_stamp"), 12.5);
+  problem.conflict = {.expected = 0, .last_stamp = std::nullopt};
+  EXPECT_TRUE(nlohmann::json::parse(render(problem)).at("last_stamp").is_null());
 }
 
 TEST(Problem, ReplacesBytesThatAreNotUtf8) {

@@ -103,10 +103,10 @@ TEST(CreateSession, TakesSeveralLidarsOrNone) {
   EXPECT_FALSE(request.lidars.only.has_value());
   EXPECT_EQ(request.lidars.by_name.at("rear").T_base_link_laser, (Pose2{-0.2, 0.0, 3.0}));
   EXPECT_EQ(request.lidars.by_name.at("rear").tilt, (LidarTilt{.roll = 3.1415926, .pitch = 0.1}));
-  EXPECT_EQ(lidars_from_json(request.lidar_json), request.lidars);
+  EXPECT_EQ(lidars_from_json(lidars_to_json(request.lidars)), request.lidars);
   const auto none = taken(parse_create_session(R"({"robot": "r2"})", BodyFormat::kJson));
   EXPECT_EQ(none.lidars, Lidars());
-  EXPECT_EQ(lidars_from_json(none.lidar_json), Lidars());
+  EXPECT_EQ(lidars_from_json(lidars_to_json(none.lidars)), Lidars());
   EXPECT_FALSE(lidars_from_json(R"({"lidars": {"front": {}}})").has_value());
 }
 

@@ -25,7 +25,6 @@ class LocalizationServiceTest : public ServiceTest {
                                      .range_max = scan.range_max,
                                      .beams = {},
                                      .T_base_link_laser = {}};
-    request.lidar_json = api::lidars_to_json(request.lidars);
     return request;
   }
 
