@@ -14,15 +14,9 @@ import sys
 import numpy as np
 from scipy.optimize import minimize
 
-END_CLASSES, PASS_CLASSES = 14, 4
-MATCHED = slice(0, 3)  # hits within 0.15 m of a wall
-UNKNOWN = slice(8, 12)  # hits in unknown space
-HIDDEN = slice(12, 14)
-UNKNOWN_PASSED = 3
 UNSEEN = -0.1  # Unknown space must not raise the score; a trace keeps the search out of it.
 RARE = 0.002
-PLAUSIBLE = 0.5  # share of matched hits from which a wrong pose is a rival
-MIN_MARGIN, MIN_MARGIN_PER_HIT = 3, 0.02  # as in AcceptanceParams
+PLAUSIBLE = 0.5  # share of hits within 0.15 m of a wall from which a wrong pose is a rival
 # The a-contrario test is calibrated by theory, where the slope is 1; samples of few buildings leave it
 # open. Slopes near 0.8 fit all domains that have wrong poses with a low significance.
 SIGNIFICANCE_SLOPE = 0.8
@@ -37,17 +31,19 @@ class Samples:
             for row in csv.DictReader(open(path)):
                 rows.append({**row, "domain": pathlib.Path(path).stem})
         column = lambda name: np.array([float(row[name]) for row in rows])
-        counts = lambda pose, kind, n: np.array([[float(row[f"{pose}_{kind}{i}"]) for i in range(n)] for row in rows])
-        self.ends = {pose: counts(pose, "end", END_CLASSES) for pose in ("best", "second")}
-        self.passes = {pose: counts(pose, "pass", PASS_CLASSES) for pose in ("best", "second")}
+        classes = lambda kind: [name[len(kind):] for name in rows[0] if name.startswith(kind)]
+        counts = lambda kind, names: np.array([[float(row[kind + name]) for name in names] for row in rows])
+        # The columns name the classes, in the order of core's tables of weights.
+        self.hit_classes, self.miss_classes = classes("best_hits_"), classes("best_misses_")
+        self.ends = {pose: counts(f"{pose}_hits_", self.hit_classes) for pose in ("best", "second")}
+        self.passes = {pose: counts(f"{pose}_misses_", self.miss_classes) for pose in ("best", "second")}
+        self.matched = {pose: column(f"{pose}_matched") for pose in ("best", "second")}
         self.right = column("right").astype(int)
-        self.hits = self.ends["best"].sum(axis=1)
         self.significance, self.rival_evidence = column("significance"), column("rival_evidence")
         self.building = np.array([row["log"].split(":")[-1] for row in rows])
         self.domain = np.array([row["domain"] for row in rows])
         self.mirrored = np.array([row["log"].startswith("mirrored:") for row in rows])
-        margin = column("margin_per_hit")
-        self.acceptable = (margin >= MIN_MARGIN_PER_HIT) & (margin * self.hits >= MIN_MARGIN)
+        self.acceptable = column("has_margin") == 1
 
 
 def shares(counts):
@@ -58,8 +54,7 @@ def shares(counts):
 def learn_weights(samples, chosen):
     """ln(P(class | correct pose) / P(class | plausible wrong pose)), each sample weighing the same."""
     right = samples.right[chosen] == 1
-    plausible = {pose: shares(samples.ends[pose][chosen])[:, MATCHED].sum(axis=1) >= PLAUSIBLE
-                 for pose in ("best", "second")}
+    plausible = {pose: samples.matched[pose][chosen] >= PLAUSIBLE for pose in ("best", "second")}
 
     def weights(counts):
         best, second = shares(counts["best"][chosen]), shares(counts["second"][chosen])
@@ -68,9 +63,9 @@ def learn_weights(samples, chosen):
         return np.log((correct / correct.sum() + RARE) / (wrong / wrong.sum() + RARE))
 
     ends, passes = weights(samples.ends), weights(samples.passes)
-    for cells in (UNKNOWN, HIDDEN):
-        ends[cells] = np.minimum(ends[cells], UNSEEN)
-    passes[UNKNOWN_PASSED] = min(passes[UNKNOWN_PASSED], UNSEEN)
+    for weight, names in ((ends, samples.hit_classes), (passes, samples.miss_classes)):
+        unseen = [name.startswith(("unknown", "hidden")) for name in names]
+        weight[unseen] = np.minimum(weight[unseen], UNSEEN)
     return ends, passes
 
 
@@ -156,6 +151,7 @@ def main():
     weights = learn_weights(samples, everything)
     print("kRivalWeights, from these samples", weights[0].round(2).tolist(), weights[1].round(2).tolist())
     print(f"constexpr double kExplainedOffset = {model[0]:.2f};")
+    print(f"constexpr double kExplainedSlope = {SIGNIFICANCE_SLOPE};")
     print(f"offset of the rival evidence, 0 by theory: {learn(samples, everything, None)[1]:.2f}")
 
 

@@ -237,6 +237,31 @@ nlohmann::ordered_json wrong_answer_json(const StartRecord& record) {
           {"longest_wrong_m", record.longest_wrong_m}};
 }
 
+/// A column per class of hits and of misses, by the names that core gives them.
+void write_sample_header(std::ostream& csv) {
+  EvidenceScore one_of_each;
+  one_of_each.end_counts.fill(1);
+  one_of_each.pass_counts.fill(1);
+  csv << "log,start,way_m,near_m,right,has_margin";
+  for (const char* pose : {"best", "second"}) {
+    for (const EvidenceClass& hits : hits_by_class(one_of_each))
+      csv << ',' << pose << "_hits_" << hits.name;
+    for (const EvidenceClass& misses : misses_by_class(one_of_each))
+      csv << ',' << pose << "_misses_" << misses.name;
+    csv << ',' << pose << "_matched";
+  }
+  csv << ",explained_share,independent_hits,significance,margin_per_hit,rival_evidence,"
+         "unknown_share\n";
+}
+
+/// Whether the margin alone would let the pose be accepted.
+bool has_least_margin(const DecisionSample& sample) {
+  const AcceptanceParams limits;
+  const double margin_per_hit = sample.terms.margin_per_hit;
+  return margin_per_hit >= limits.min_mean_gap &&
+         margin_per_hit * sample.best.ends >= limits.min_gap;
+}
+
 }  // namespace
 
 nlohmann::ordered_json summary_json(const std::string& log_name, const Evaluation& evaluation,
@@ -330,22 +355,15 @@ void write_records(std::ostream& csv, const std::vector<StartRecord>& records) {
 
 void write_samples(std::ostream& csv, const std::string& name,
                    const std::vector<StartRecord>& records, bool header) {
-  if (header) {
-    csv << "log,start,way_m,near_m,right";
-    for (const char* pose_name : {"best", "second"}) {
-      for (std::size_t i = 0; i < kEndClasses; ++i) csv << ',' << pose_name << "_end" << i;
-      for (std::size_t i = 0; i < kPassClasses; ++i) csv << ',' << pose_name << "_pass" << i;
-    }
-    csv << ",explained_share,independent_hits,significance,margin_per_hit,rival_evidence,"
-           "unknown_share\n";
-  }
+  if (header) write_sample_header(csv);
   for (const StartRecord& record : records) {
     for (const DecisionSample& sample : record.samples) {
       csv << name << ',' << record.start << ',' << sample.distance_traveled_m << ','
-          << sample.near_m << ',' << sample.right;
+          << sample.near_m << ',' << sample.right << ',' << has_least_margin(sample);
       for (const EvidenceScore* score : {&sample.best, &sample.second}) {
         for (const int count : score->end_counts) csv << ',' << count;
         for (const int count : score->pass_counts) csv << ',' << count;
+        csv << ',' << score->matched;
       }
       const AcceptanceTerms& terms = sample.terms;
       for (const double term : {terms.explained_share, terms.independent_hits, terms.significance,
