@@ -92,22 +92,12 @@ Response accept_job(const Services& services, const Request& request, const char
 }
 
 void add_job_routes(Router& router, const Services& services) {
-  const auto routes = std::make_shared<JobRoutes>(services);
-  const auto add = [&](const char* method, const char* pattern,
-                       Response (JobRoutes::*handler)(const Request&),
-                       std::vector<std::string> parameters = {}) {
-    router.add({.method = method,
-                .pattern = pattern,
-                .access = Access::kMap,
-                .body = BodyRule::kIgnored,
-                .handler = [routes, handler](
-                               const Request& request) { return ((*routes).*handler)(request); },
-                .parameters = std::move(parameters)});
-  };
-  add("GET", "/v1/jobs", &JobRoutes::list, {"limit", "page_token"});
-  add("GET", "/v1/jobs/{id}", &JobRoutes::get);
-  add("GET", "/v1/jobs/{id}/result", &JobRoutes::result);
-  add("DELETE", "/v1/jobs/{id}", &JobRoutes::cancel);
+  const auto add = adder_of(router, std::make_shared<JobRoutes>(services));
+  using enum BodyRule;
+  add("GET", "/v1/jobs", Access::kMap, kIgnored, &JobRoutes::list, {"limit", "page_token"});
+  add("GET", "/v1/jobs/{id}", Access::kMap, kIgnored, &JobRoutes::get);
+  add("GET", "/v1/jobs/{id}/result", Access::kMap, kIgnored, &JobRoutes::result);
+  add("DELETE", "/v1/jobs/{id}", Access::kMap, kIgnored, &JobRoutes::cancel);
 }
 
 }  // namespace cornerfix::server

@@ -328,18 +328,7 @@ class MapRoutes {
 }  // namespace
 
 void add_map_routes(Router& router, const Services& services) {
-  const auto routes = std::make_shared<MapRoutes>(services);
-  const auto add = [&](const char* method, const char* pattern, Access access, BodyRule body,
-                       Response (MapRoutes::*handler)(const Request&),
-                       std::vector<std::string> parameters = {}) {
-    router.add({.method = method,
-                .pattern = pattern,
-                .access = access,
-                .body = body,
-                .handler = [routes, handler](
-                               const Request& request) { return ((*routes).*handler)(request); },
-                .parameters = std::move(parameters)});
-  };
+  const auto add = adder_of(router, std::make_shared<MapRoutes>(services));
   using enum BodyRule;
   add("GET", "/v1/maps", Access::kRead, kIgnored, &MapRoutes::list, {"limit", "page_token"});
   add("PUT", "/v1/maps/{map}", Access::kMap, kOptionalDocument, &MapRoutes::put);

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/event_log.hpp"
+
 namespace cornerfix::server {
 
 Response document_response(const Request& request, int status, const api::Json& document) {
@@ -16,20 +18,6 @@ Response text_response(const Request& request, int status, const std::string& js
   if (request.answer_format == api::BodyFormat::kJson) return json_response(status, json);
   return document_response(request, status, api::Json::parse(json));
 }
-
-namespace {
-
-/// Text of others cannot begin a line of the log or command a terminal.
-std::string printable(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += byte >= 0x20 && byte != 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
-  }
-  return out;
-}
-
-}  // namespace
 
 Response error_response(const Request& request, const Error& error) {
   const api::Problem problem = api::to_problem(error);

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -68,5 +70,23 @@ class Router {
   };
   std::vector<Entry> entries_;
 };
+
+/// Adds routes whose handlers are member functions of `routes`: add(method, pattern, access, body,
+/// handler, parameters).
+template <typename Routes>
+[[nodiscard]] auto adder_of(Router& router, std::shared_ptr<Routes> routes) {
+  return [&router, routes = std::move(routes)](const char* method, const char* pattern,
+                                               Access access, BodyRule body,
+                                               Response (Routes::*handler)(const Request&),
+                                               std::vector<std::string> parameters = {}) {
+    router.add({.method = method,
+                .pattern = pattern,
+                .access = access,
+                .body = body,
+                .handler = [routes, handler](
+                               const Request& request) { return ((*routes).*handler)(request); },
+                .parameters = std::move(parameters)});
+  };
+}
 
 }  // namespace cornerfix::server

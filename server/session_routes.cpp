@@ -253,18 +253,7 @@ std::optional<std::string> last_answer_event(const SessionView& view) {
 }
 
 void add_session_routes(Router& router, const Services& services) {
-  const auto routes = std::make_shared<SessionRoutes>(services);
-  const auto add = [&](const char* method, const char* pattern, Access access, BodyRule body,
-                       Response (SessionRoutes::*handler)(const Request&),
-                       std::vector<std::string> parameters = {}) {
-    router.add({.method = method,
-                .pattern = pattern,
-                .access = access,
-                .body = body,
-                .handler = [routes, handler](
-                               const Request& request) { return ((*routes).*handler)(request); },
-                .parameters = std::move(parameters)});
-  };
+  const auto add = adder_of(router, std::make_shared<SessionRoutes>(services));
   using enum BodyRule;
   add("POST", "/v1/sessions", Access::kSession, kDocument, &SessionRoutes::create);
   add("GET", "/v1/sessions", Access::kRead, kIgnored, &SessionRoutes::list,

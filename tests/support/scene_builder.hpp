@@ -162,6 +162,15 @@ class SceneBuilder {
   std::vector<Wall> walls_;
 };
 
+/// Two walls of 3 m that meet at (3, 0), each turned by `half_angle` from the x axis. A lidar at
+/// the origin looks into the corner when the walls come towards it.
+[[nodiscard]] inline SceneBuilder wedge(double half_angle) {
+  const Point2 tip(3.0, 0.0);
+  return SceneBuilder()
+      .wall(tip, tip + 3.0 * Point2(-std::cos(half_angle), std::sin(half_angle)))
+      .wall(tip, tip + 3.0 * Point2(-std::cos(half_angle), -std::sin(half_angle)));
+}
+
 /// The walls of figure7_room() without what stands in it.
 [[nodiscard]] inline SceneBuilder figure7_outline() {
   const Point2 outline[] = {{2, 0},    {8.6, 0},  {8.6, 1.5}, {10, 1.5}, {10, 8.2}, {8.5, 8.2},

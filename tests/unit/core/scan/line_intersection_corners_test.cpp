@@ -21,6 +21,7 @@ using testing::IsPointNear;
 using testing::Lidar;
 using testing::SceneBuilder;
 using testing::simulate_scan;
+using testing::wedge;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -32,15 +33,6 @@ std::vector<Corner> corners_of(const SceneBuilder& scene, const Lidar& lidar = {
                                const Pose2& T_map_laser = {}, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   return corners_of(simulate_scan(scene, lidar, T_map_laser, random));
-}
-
-/// Two walls of 3 m that meet at (3, 0), each turned by `half_angle` from the x axis; the lidar at
-/// the origin looks into the corner.
-SceneBuilder wedge(double half_angle) {
-  const Point2 tip(3.0, 0.0);
-  return SceneBuilder()
-      .wall(tip, tip + 3.0 * Point2(-std::cos(half_angle), std::sin(half_angle)))
-      .wall(tip, tip + 3.0 * Point2(-std::cos(half_angle), -std::sin(half_angle)));
 }
 
 /// The same tip seen from outside.

@@ -18,20 +18,12 @@ using testing::IsPointNear;
 using testing::Lidar;
 using testing::SceneBuilder;
 using testing::simulate_scan;
+using testing::wedge;
 
 constexpr double kPi = std::numbers::pi;
 
 std::vector<Feature> corners_of(const LaserScan& scan) {
   return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
-}
-
-/// Two walls of 3 m that meet at (3, 0), each turned by `half_angle` from the x axis. The lidar at
-/// the origin looks into the corner when the walls come towards it.
-SceneBuilder wedge(double half_angle) {
-  const Point2 tip(3.0, 0.0);
-  return SceneBuilder()
-      .wall(tip, tip + 3.0 * Point2(-std::cos(half_angle), std::sin(half_angle)))
-      .wall(tip, tip + 3.0 * Point2(-std::cos(half_angle), -std::sin(half_angle)));
 }
 
 TEST(VfpCorners, FindsNothingOnAStraightWall) {
