@@ -267,10 +267,9 @@ TEST(Openapi, NamesEveryOptionAndParameterWithItsDefault) {
 
 // What the service writes has all that is required and nothing that is not documented.
 
-TEST(OpenapiSchema, IsWhatAnswersFit) {
+Answer localized_answer() {
   const auto map = std::make_shared<const LocalizationMap>("office", 7, MapContent{});
   Answer answer;
-  EXPECT_THAT(misfits("Answer", render_answer(answer, {"", std::nullopt, 0.0})), IsEmpty());
   answer.status = Status::kLocalized;
   answer.pose = LocalizedPose{map, {1.0, 2.0, 3.0}, {}};
   answer.hypotheses = {{.map = map,
@@ -279,7 +278,12 @@ TEST(OpenapiSchema, IsWhatAnswersFit) {
                         .inliers = 5,
                         .score = 0.5,
                         .evidence = {}}};
-  const Json json = render_answer(answer, {"s", 3, 12.5});
+  return answer;
+}
+
+TEST(OpenapiSchema, IsWhatAnswersFit) {
+  EXPECT_THAT(misfits("Answer", render_answer({}, {"", std::nullopt, 0.0})), IsEmpty());
+  const Json json = render_answer(localized_answer(), {"s", 3, 12.5});
   EXPECT_THAT(misfits("Answer", json), IsEmpty());
   RobotScan scan;
   scan.scan = {1.0, 0.0, 0.5, 0.0, 10.0, {1.0F, 2.0F}};
@@ -346,18 +350,8 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
 }
 
 TEST(OpenapiSchema, IsWhatProfilesFit) {
-  const auto map = std::make_shared<const LocalizationMap>("office", 7, MapContent{});
-  Answer answer;
-  const Json nothing = render_answer(answer, {"s", 0, 0.0});
-  answer.status = Status::kLocalized;
-  answer.pose = LocalizedPose{map, {1.0, 2.0, 3.0}, {}};
-  answer.hypotheses = {{.map = map,
-                        .T_map_base_link = {1.0, 2.0, 3.0},
-                        .votes = 4,
-                        .inliers = 5,
-                        .score = 0.5,
-                        .evidence = {}}};
-  for (const Json& one : {nothing, render_answer(answer, {"s", 3, 12.5})}) {
+  const Json nothing = render_answer({}, {"s", 0, 0.0});
+  for (const Json& one : {nothing, render_answer(localized_answer(), {"s", 3, 12.5})}) {
     EXPECT_THAT(misfits("RosAnswer", in_profile(one, AnswerProfile::kRos)), IsEmpty());
     EXPECT_THAT(misfits("Vda5050State", in_profile(one, AnswerProfile::kVda5050)), IsEmpty());
   }
