@@ -32,11 +32,12 @@ std::size_t count_searching(const std::vector<Answer>& answers) {
   return static_cast<std::size_t>(std::ranges::count(answers, Reason::kSearching, &Answer::reason));
 }
 
-std::size_t count_wrong(const std::vector<Answer>& answers, const std::vector<Moment>& moments) {
+std::size_t count_wrong(const std::vector<Answer>& answers, const std::vector<Moment>& moments,
+                        double limit_m = 0.3) {
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     if (answers[i].pose &&
-        distance(answers[i].pose->T_map_base_link, moments[i].T_map_base_link) > 0.3)
+        distance(answers[i].pose->T_map_base_link, moments[i].T_map_base_link) > limit_m)
       ++wrong;
   }
   return wrong;
@@ -144,6 +145,34 @@ TEST(LocalizerInterruptions, OdometryThatJumpsDoesNotMoveThePose) {
   const std::vector<Answer> answers = corridor_answers(moments);
   EXPECT_EQ(count_wrong(answers, moments), 0U);
   EXPECT_EQ(answers.back().status, Status::kLocalized);
+}
+
+/// Recesses at both ends, 40 m of bare walls between them.
+SceneBuilder bare_corridor() {
+  SceneBuilder scene;
+  scene.room({0.0, 0.0}, {66.0, 2.4});
+  for (const double x : {2.0, 5.5, 7.2, 11.0, 54.4, 56.1, 59.9, 63.0})
+    scene.box({x, 0.15}, {0.6, 0.3}).box({x + 1.3, 2.3}, {0.9, 0.2});
+  return scene;
+}
+
+TEST(LocalizerInterruptions, APoseThatABareCorridorDoesNotHoldIsNotGiven) {
+  const std::vector<Point2> points = {{1.0, 1.2}, {64.0, 1.2}};
+  const testing::Robot robot{.lidar = {.beams = 360, .range_max_m = 8.0, .noise_m = 0.01},
+                             .has_odometry = false};
+  const std::vector<Moment> moments =
+      testing::drive(bare_corridor(), robot, testing::route(points, 0.15), kSeed);
+  Localizer localizer({testing::make_map(bare_corridor(), {33.0, 1.2})}, LocalizerParams{});
+  const std::vector<Answer> answers = answers_of(localizer, moments);
+  EXPECT_EQ(count_wrong(answers, moments, 0.5), 0U);
+  const auto is_uncertain = [](const Answer& answer) {
+    return answer.status == Status::kLost && answer.reason == Reason::kFewEvidence;
+  };
+  const auto first = std::ranges::find_if(answers, is_uncertain);
+  ASSERT_NE(first, answers.end());
+  const Pose2& lost_at = moments[static_cast<std::size_t>(first - answers.begin())].T_map_base_link;
+  EXPECT_GT(lost_at.x, 13.0);
+  EXPECT_LT(lost_at.x, 53.0);
 }
 
 }  // namespace
