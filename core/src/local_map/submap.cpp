@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kCoarseKernel = 0.4;
 constexpr double kFineKernel = 0.12;
+constexpr double kNormalError = 0.3;  // of walls drawn from a few scans [rad]
 
 Pose2 field_corner(const SubmapParams& params, const Point2& center) {
   const double half = 0.5 * params.field_extent_m;
@@ -145,7 +146,8 @@ Eigen::Matrix3d Submap::match_information(std::span<const Point2> points_base_li
   const double weight = static_cast<double>(points_base_link.size()) /
                         static_cast<double>(std::max<std::size_t>(1, points.size()));
   const Eigen::Matrix3d information =
-      observed_information(field_, points, T_submap_base_link, {.kernel_m = kFineKernel});
+      observed_information(field_, points, T_submap_base_link,
+                           {.kernel_m = kFineKernel, .normal_error_rad = kNormalError});
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(T_submap_base_link.yaw).toRotationMatrix();
   return weight * rotation.transpose() * information * rotation;

@@ -12,6 +12,9 @@ constexpr double kReviewDistance = 1.5;  // [m] between searches of the whole ma
 constexpr double kConfirmedReviewDistance = 20.0;
 constexpr double kConfirmDistance = 3.0;  // [m] after the acceptance
 
+// With more, an error of 0.5 m is within two standard deviations [m].
+constexpr double kMaxPositionSigma = 0.25;
+
 // Withdrawal of a pose.
 constexpr double kMaxMisfitWay = 1.5;  // driven while the scans do not fit [m],
 constexpr int kMinMisfits = 2;         // by at least so many scans;
@@ -38,6 +41,10 @@ void Localizer::Impl::track(const RobotScan& robot_scan, const std::vector<Point
   } else {
     is_doubted = verdict == TrackingVerdict::kMisfits && stray_scans > 0;
     miss(verdict == TrackingVerdict::kNoReturns ? Reason::kNoReturns : Reason::kContradicted);
+  }
+  if (accepted && tracker.position_sigma_m() > kMaxPositionSigma) {
+    restart_submap(Withdrawal::kScansLost);
+    reason = Reason::kFewEvidence;
   }
   if (!accepted || !(news || search.is_suspended())) return;
   const double reviewed_m = distance_since_acceptance_m - searched_at_m;

@@ -1,6 +1,7 @@
 #include "core/src/matching/scan_refiner.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -176,6 +177,19 @@ Point2 smooth_gradient(const Field& field, const Point2& point_grid) {
          (2.0 * kReach);
 }
 
+/// How a shift along `direction` follows from x, y and yaw, at a point that the pose has turned.
+Eigen::Vector3d jacobian_of(const Point2& direction, const Point2& turned_point) {
+  return {direction.x(), direction.y(),
+          direction.y() * turned_point.x() - direction.x() * turned_point.y()};
+}
+
+/// Without the directions whose information is negative.
+Eigen::Matrix3d positive_part(const Eigen::Matrix3d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(information);
+  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         axes.eigenvectors().transpose();
+}
+
 void add_prior(NormalEquations& sum, const Pose2& T, const PosePrior& prior) {
   const Pose2& at = prior.T_frame_base_link;
   const Eigen::Vector3d offset{T.x - at.x, T.y - at.y, wrap_angle(T.yaw - at.yaw)};
@@ -246,11 +260,14 @@ RefinedPose refine_pose(const Field& field, std::span<const Point2> points_base_
 
 /// On a wall the field has no slope, so the direction of the wall is read off a little before it,
 /// where the beam came from.
+///
+/// A normal n + s t with an error s along the wall has s^2 t t^T more information than n. Over a
+/// long corridor these errors would add up to information along its axis, so they are subtracted.
 template <typename Field>
 Eigen::Matrix3d observed_information(const Field& field, std::span<const Point2> points_base_link,
                                      const Pose2& T_frame_base_link,
                                      const ScanRefinerParams& params) {
-  constexpr double kBefore = 0.25;
+  constexpr double kBefore = 0.25;  // [m]
   const Pose2 T = field.T_grid_frame() * T_frame_base_link;
   const Placed placed(T);
   const double kernel2 = params.kernel_m * params.kernel_m;
@@ -265,11 +282,13 @@ Eigen::Matrix3d observed_information(const Field& field, std::span<const Point2>
     Point2 normal = smooth_gradient(field, placed.shifted(before));
     if (normal.squaredNorm() > 1.0) normal.normalize();
     const double root = kernel2 / (kernel2 + distance * distance);
-    const Eigen::Vector3d jacobian{normal.x(), normal.y(),
-                                   normal.y() * turned_point.x() - normal.x() * turned_point.y()};
-    information.noalias() += (root * root * point_information) * jacobian * jacobian.transpose();
+    const Eigen::Vector3d across = jacobian_of(normal, turned_point);
+    const Eigen::Vector3d along =
+        params.normal_error_rad * jacobian_of({-normal.y(), normal.x()}, turned_point);
+    information.noalias() += (root * root * point_information) *
+                             (across * across.transpose() - along * along.transpose());
   }
-  return turned(information, -field.T_grid_frame().yaw);
+  return turned(positive_part(information), -field.T_grid_frame().yaw);
 }
 
 template Pose2 aligned_pose(const DistanceField&, std::span<const Point2>, const Pose2&,

@@ -182,4 +182,9 @@ Eigen::Matrix3d PoseTracker::covariance() const {
   return covariance;
 }
 
+double PoseTracker::position_sigma_m() const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance().topLeftCorner<2, 2>());
+  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+}
+
 }  // namespace cornerfix

@@ -43,6 +43,8 @@ class PoseTracker {
   [[nodiscard]] const Pose2& T_map_base_link() const { return T_map_base_link_; }
   /// Of x, y, yaw along the axes of the map; what the map itself may be off by is added.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
+  /// Standard deviation of the position along its most uncertain direction [m].
+  [[nodiscard]] double position_sigma_m() const;
   [[nodiscard]] const Eigen::Matrix3d& filtered_covariance() const { return covariance_; }
   [[nodiscard]] std::optional<double> usual_fit() const { return usual_fit_; }
 

@@ -86,5 +86,32 @@ TEST(LocalizerTracking, APoseIsWithdrawnWhenTheLidarIsCoveredOnTheWay) {
   EXPECT_FALSE(answer.pose.has_value());
 }
 
+/// Recesses at both ends, 40 m of bare walls between them.
+SceneBuilder bare_corridor() {
+  SceneBuilder scene;
+  scene.room({0.0, 0.0}, {66.0, 2.4});
+  for (const double x : {2.0, 5.5, 7.2, 11.0, 54.4, 56.1, 59.9, 63.0})
+    scene.box({x, 0.15}, {0.6, 0.3}).box({x + 1.3, 2.3}, {0.9, 0.2});
+  return scene;
+}
+
+TEST(LocalizerTracking, APoseThatABareCorridorDoesNotHoldIsGivenUp) {
+  const std::vector<Point2> points = {{1.0, 1.2}, {64.0, 1.2}};
+  const Robot robot{.lidar = {.beams = 360, .range_max_m = 8.0, .noise_m = 0.01},
+                    .has_odometry = false};
+  const std::vector<Moment> moments =
+      drive(bare_corridor(), robot, testing::route(points, 0.15), 14);
+  const LocalizationMapPtr map = testing::make_map(bare_corridor(), {33.0, 1.2});
+  const std::vector<Answer> answers = answers_of({map}, with(Method::kIndexed), moments);
+  EXPECT_EQ(count_wrong(answers, moments, 0.5), 0U);
+  const auto given_up = std::ranges::find_if(answers, [](const Answer& answer) {
+    return answer.withdrawal == Withdrawal::kScansLost && answer.reason == Reason::kFewEvidence;
+  });
+  ASSERT_NE(given_up, answers.end());
+  const double x = moments[static_cast<std::size_t>(given_up - answers.begin())].T_map_base_link.x;
+  EXPECT_GT(x, 13.0);
+  EXPECT_LT(x, 53.0);
+}
+
 }  // namespace
 }  // namespace cornerfix
