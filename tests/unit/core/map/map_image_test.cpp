@@ -99,6 +99,26 @@ TEST(MapImage, TakesAHeaderWhoseLinesEndAsOnWindows) {
       << "where nothing is left over, the line feed is a pixel";
 }
 
+TEST(MapImage, PassesOverACommentBehindTheMaximumValue) {
+  EXPECT_EQ(drawn(parse(kYaml, "P5\n3 1\n255\n# by hand\n" + bytes({0, 255, 0}))), "#.#");
+  EXPECT_EQ(drawn(parse(kYaml, "P5\n3 1\n255 # by hand\n" + bytes({0, 255, 0}))), "#.#");
+  EXPECT_EQ(drawn(parse(kYaml, "P5\n3 1\n255\n" + bytes({'#', 255, '\n'}))), "#.#")
+      << "where nothing is left over, # is a pixel";
+}
+
+TEST(MapImage, RefusesAPgmWhoseLineFeedsWereConverted) {
+  const auto grid = parse(kYaml, "P5\r\n3 1\r\n255\r\n" + bytes({0, '\r', '\n', 255}));
+  ASSERT_FALSE(grid.ok());
+  EXPECT_EQ(grid.error().message,
+            "pgm: its line feeds have become CR LF: copy it as a binary file");
+}
+
+TEST(MapImage, ScalesFewGreyValuesAsMapServerDoes) {
+  // 205 of 255, the grey of unknown cells, to the nearest.
+  EXPECT_EQ(drawn(parse(kYaml, "P5\n3 1\n200\n" + bytes({0, 161, 200}))), "#?.");
+  EXPECT_EQ(drawn(parse(kYaml, "P2\n3 1\n254\n0 205 254\n")), "#?.");
+}
+
 TEST(MapImage, NegateTurnsBlackIntoFree) {
   EXPECT_EQ(drawn(parse(std::string(kYaml) + "negate: 1\n", "P5\n2 1\n255\n" + bytes({0, 255}))),
             ".#");
@@ -365,6 +385,16 @@ TEST_F(MapFiles, TakeTheImageBesideTheYamlForOneOfAnotherComputer) {
     EXPECT_NE(files->note.find(image), std::string::npos) << files->note;
     EXPECT_EQ(read_map_files(directory_ / "map.yaml").value(), small_grid());
   }
+}
+
+TEST_F(MapFiles, TakeAPathOfWindows) {
+  const auto png = encode_grid_png(small_grid());
+  write("images/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  write("map.yaml", encode_grid_yaml(small_grid(), "images\\map.png"));
+  const auto files = load_map_files(directory_ / "map.yaml");
+  ASSERT_TRUE(files.ok()) << files.error().message;
+  EXPECT_EQ(files->image_path, directory_ / "images/map.png");
+  EXPECT_EQ(files->note, "");
 }
 
 TEST_F(MapFiles, TakeTheImageThatWasRenamedWithItsYaml) {
