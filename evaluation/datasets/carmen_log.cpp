@@ -435,6 +435,7 @@ class CarmenParser final : public ScanParser {
 
   /// The first good scan makes the header.
   Result<std::optional<LogScan>> check(const Laser& laser, LogScan scan) {
+    if (cut_to_full_turn(scan.scan)) scan.stated_angle_max.reset();
     if (const auto error = validate(scan.scan)) {
       return malformed(laser.message, error->field + ": " + error->message);
     }
