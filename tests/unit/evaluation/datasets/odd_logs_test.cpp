@@ -127,11 +127,59 @@ TEST_F(OddLogs, NamesWhatIsExpectedOfAWrongLine) {
   EXPECT_THAT(message_of("a.jsonl", kHeader + std::string(R"({"t": 17e17, "ranges": [1, 1, 1]})")),
               HasSubstr("t: expected seconds from -1e12 to 1e12"));
   EXPECT_THAT(message_of("a.jsonl", lines_stamped({0, 1})),
-              HasSubstr("header: expected name, beams, angle_min"));
+              HasSubstr("header: without angle_min, angle_increment, range_max, expected name, "
+                        "beams, angle_min"));
   EXPECT_THAT(message_of("a.jsonl", std::string("\xff\xfe{\0\"\0", 6)),
               HasSubstr("is text in UTF-16, expected UTF-8"));
   EXPECT_THAT(message_of("a.log", "ODOM 0 0 0 0 0 0 1 host 1\nRAWLASER3 0 1\nRAWLASER3 0 1\n"),
               HasSubstr("holds no scan; its messages are ODOM (1), RAWLASER3 (2); expected"));
+}
+
+TEST_F(OddLogs, NamesWhatAHeaderDoesNotHave) {
+  const std::string no_angle_min = R"({"angle_increment": 1, "range_min": 0, "range_max": 30})"
+                                   "\n";
+  const auto log = LogReader::open(directory_.write("a.jsonl", no_angle_min + lines_stamped({1})));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("header: without angle_min, expected"));
+}
+
+TEST_F(OddLogs, ReadsScansWithTheirOwnGeometryWithoutAHeader) {
+  std::string lines;
+  for (int i = 1; i <= 3; ++i) {
+    lines += R"({"angle_min": -1, "angle_increment": 1, "range_min": 0, "range_max": 30, "t": )" +
+             std::to_string(i) + R"(, "ranges": [1, 2, 3]})" + "\n";
+  }
+  const auto log = read_log(directory_.write("a.jsonl", lines));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_EQ(log->scans.size(), 3U);
+  EXPECT_EQ(log->header.name, "a");
+}
+
+TEST_F(OddLogs, TakesTheGeometryOfASecondHeader) {
+  const std::string second =
+      R"({"name": "b", "beams": 2, "angle_min": 0, "angle_increment": 0.5, "range_max": 9})"
+      "\n";
+  auto reader = LogReader::open(directory_.write(
+      "a.jsonl", kHeader + lines_stamped({1, 2}) + second + R"({"t": 3, "ranges": [1, 1]})"));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  const RecordedLog log = read_all(*reader);
+  EXPECT_EQ(remarks(*reader), "");
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_EQ(log.scans[1].scan.angle_increment, 1.5);
+  EXPECT_EQ(log.scans[2].scan.angle_increment, 0.5);
+}
+
+TEST_F(OddLogs, UsesAScanWhoseOdometryIsNaN) {
+  for (const char* odom : {"[NaN, NaN, NaN]", "[1, 2, NaN]", "[null, null, null]"}) {
+    auto reader = LogReader::open(directory_.write(
+        "a.jsonl", kHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "odom": )") + odom +
+                       R"(, "pose": [1, 2, 3]})"));
+    ASSERT_TRUE(reader.ok()) << odom << reader.error().message;
+    const RecordedLog log = read_all(*reader);
+    ASSERT_EQ(log.scans.size(), 1U);
+    EXPECT_FALSE(log.scans[0].T_odom_laser);
+    EXPECT_TRUE(log.scans[0].T_map_laser);
+  }
 }
 
 TEST_F(OddLogs, NamesWhatAFileIsThatMustBeUnpacked) {
