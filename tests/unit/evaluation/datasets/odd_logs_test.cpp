@@ -182,6 +182,38 @@ TEST_F(OddLogs, UsesAScanWhoseOdometryIsNaN) {
   }
 }
 
+TEST_F(OddLogs, TakesTheConstantThatStandsForNoReturn) {
+  std::string lines;
+  for (int i = 0; i < 30; ++i) {
+    lines += R"({"t": )" + std::to_string(i) + R"(, "ranges": [)";
+    for (int beam = 0; beam < 60; ++beam)
+      lines += beam % 3 == 0 ? "81.91, " : std::to_string(1 + 0.01 * beam) + ", ";
+    lines += "2]}\n";
+  }
+  const std::string header =
+      R"({"angle_min": 0, "angle_increment": 0.05, "range_min": 0, "range_max": 100})"
+      "\n";
+  auto reader = LogReader::open(directory_.write("a.jsonl", header + lines));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  for (const LogScan& scan : read_all(*reader).scans) {
+    EXPECT_EQ(returns_as_points(scan.scan).size(), 41U) << scan.scan.stamp;
+  }
+  EXPECT_EQ(remarks(*reader),
+            "600 ranges of exactly 81.91 m are taken for no returns: none is longer, and hits of a "
+            "wall would differ");
+}
+
+TEST_F(OddLogs, LeavesOutAScanWhoseStampIsNoTime) {
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", kHeader + lines_stamped({10, 10.1, 4e8, 10.3, 1, 10.4, 10.5})));
+  ASSERT_TRUE(reader.ok());
+  const RecordedLog log = read_all(*reader);
+  EXPECT_EQ(log.scans.size(), 5U);
+  for (const LogScan& scan : log.scans) EXPECT_FALSE(scan.begins_run);
+  EXPECT_EQ(reader->faults().scans(), 2U);
+  EXPECT_EQ(reader->faults().first()[0].where, "stamp 400000000.000000 s");
+}
+
 TEST_F(OddLogs, NamesWhatAFileIsThatMustBeUnpacked) {
   const auto message_of = [&](const std::string& name, const std::string& text) {
     return LogReader::open(directory_.write(name, text)).error().message;
