@@ -378,6 +378,19 @@ TEST_F(OddLogs, NamesTheFieldOfViewThatDoesNotFitTheBeams) {
                 "angle_min -1.5, angle_increment 0.2 and 4 beams end at -0.9 rad"));
 }
 
+TEST_F(OddLogs, NamesTheFieldOfViewThatItAssumes) {
+  const auto remarks_of = [&](const std::string& head, int beams) {
+    std::string line = "FLASER " + std::to_string(beams);
+    for (int beam = 0; beam < beams; ++beam) line += " " + std::to_string(1.0 + 0.01 * beam);
+    return remarks_about(directory_.write("a.log", head + line + " 0 0 0 0 0 0 1 host 1\n"));
+  };
+  EXPECT_THAT(remarks_of("", 1081), HasSubstr("FLASER has no angles: its 1081 beams are taken for "
+                                              "half a turn; a line PARAM laser_front_laser_fov"));
+  EXPECT_EQ(remarks_of("PARAM laser_front_laser_fov 270\n", 1081), "");
+  for (const int of_a_sick : {180, 181, 360, 361, 720, 721})
+    EXPECT_EQ(remarks_of("", of_a_sick), "");
+}
+
 TEST_F(OddLogs, NamesTheCarmenMessagesThatAreNotTaken) {
   EXPECT_EQ(remarks_about(directory_.write("a.log",
                                            "FLASER 3 1 2 3 0 0 0 0 0 0 1 host 1\n"
