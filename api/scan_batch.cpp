@@ -261,6 +261,7 @@ class BatchReader {
     out.T_base_link_laser = mount.T_base_link_laser;
     good &= read_odometry(field, out.T_odom_base_link);
     if (map_pose_ == MapPose::kTaken) good &= read_pose(field, "pose", out.T_map_base_link);
+    if (good) cut_to_full_turn(out.scan);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
       field.fail_member(error->field, error->message);
     } else if (good) {
@@ -365,6 +366,7 @@ std::optional<Lidar> read_lidar(const JsonField& field) {
                         "range_min", "range_max", "beams", "mount"});
   if (!good) return std::nullopt;
   geometry.ranges.resize(lidar.beams.value_or(0));
+  cut_to_full_turn(geometry);
   if (const auto error = validate(geometry)) {
     field.fail_member(error->field == "ranges" ? "beams" : error->field, error->message);
     return std::nullopt;

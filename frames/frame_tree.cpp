@@ -1,6 +1,7 @@
 #include "frames/frame_tree.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cornerfix {
 
@@ -17,6 +18,24 @@ bool is_frame_called(std::string_view frame, std::string_view name) {
 
 void FrameTree::add(const StampedTransform& transform, Origin origin) {
   if (transform.child.empty() || transform.child == transform.parent) return;
+  if (!has_another_parent(transform)) return insert(transform, origin);
+  const auto above = edges_.find(transform.parent);
+  if (above != edges_.end() && above->second.parent != transform.child) return;
+  insert({transform.stamp, transform.child, transform.parent, transform.T_parent_child.inverse()},
+         origin);
+}
+
+bool FrameTree::has_another_parent(const StampedTransform& transform) const {
+  constexpr double kAliveSeconds = 1.0;
+  const auto found = edges_.find(transform.child);
+  if (found == edges_.end() || found->second.parent == transform.parent) return false;
+  const Edge& edge = found->second;
+  if (edge.origin == Origin::kStatic) return true;
+  const auto last = edge.track.last_stamp();
+  return last && std::abs(transform.stamp - *last) <= kAliveSeconds;
+}
+
+void FrameTree::insert(const StampedTransform& transform, Origin origin) {
   if (edges_.size() >= kMaxFrames && !edges_.contains(transform.child)) return;
   Edge& edge = edges_[transform.child];
   if (edge.parent != transform.parent || edge.origin != origin) {
@@ -48,12 +67,27 @@ std::vector<FrameTree::Ancestor> FrameTree::ancestors(const std::string& frame,
   return chain;
 }
 
-std::optional<FoundTransform> FrameTree::find(std::string_view ancestor, const std::string& frame,
+std::optional<FoundTransform> FrameTree::find(std::string_view name, const std::string& frame,
                                               double stamp) const {
   for (const Ancestor& above : ancestors(frame, stamp)) {
-    if (is_frame_called(above.name, ancestor)) return above.T_ancestor_frame;
+    if (is_frame_called(above.name, name)) return above.T_ancestor_frame;
   }
-  return std::nullopt;
+  const auto below = find_below(name, frame, stamp);
+  return below ? below->T_ancestor_frame : std::nullopt;
+}
+
+std::optional<FrameTree::Ancestor> FrameTree::find_below(std::string_view name,
+                                                         const std::string& frame,
+                                                         double stamp) const {
+  const std::string root = ancestors(frame, stamp).back().name;
+  const std::string* first = nullptr;
+  for (const auto& [child, edge] : edges_) {
+    const bool is_wanted = edge.origin == Origin::kTf && is_frame_called(child, name);
+    if (!is_wanted || (first != nullptr && *first < child)) continue;
+    if (ancestors(child, stamp).back().name == root) first = &child;
+  }
+  if (first == nullptr) return std::nullopt;
+  return Ancestor{*first, between(*first, frame, stamp), true};
 }
 
 std::optional<FoundTransform> FrameTree::between(const std::string& target,

@@ -34,7 +34,9 @@ std::optional<RobotOdometry::Found> RobotOdometry::find(const FrameTree& frames,
     if (const Ancestor* odometry = odometry_frame(ancestors)) return in_tf(*odometry);
   }
   if (!child_.empty()) return from_messages(frames, ancestors, stamp);
-  const Ancestor* root = is_chosen_ ? nullptr : root_above_base(ancestors);
+  if (is_chosen_) return std::nullopt;
+  if (const auto below = frames.find_below("odom", frame, stamp)) return in_tf(*below);
+  const Ancestor* root = root_above_base(ancestors);
   return root != nullptr ? in_tf(*root) : std::nullopt;
 }
 

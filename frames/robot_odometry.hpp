@@ -27,7 +27,8 @@ class RobotOdometry {
   /// 1. a frame above `frame` that is called odom, or as the parent frame of the messages;
   /// 2. the messages, by way of their child frame. When tf does not connect that frame with
   ///    `frame`, it is taken to be the root above `frame`;
-  /// 3. the uppermost frame (below `map`, if that is above) in which the laser has moved.
+  /// 3. a frame called odom below the base;
+  /// 4. the uppermost frame (below `map`, if that is above) in which the laser has moved.
   [[nodiscard]] std::optional<Found> find(const FrameTree& frames, const std::string& frame,
                                           double stamp) const;
 

@@ -27,6 +27,10 @@ class TransformTrack {
 
   [[nodiscard]] bool has_moved() const { return has_moved_; }
 
+  [[nodiscard]] std::optional<double> last_stamp() const {
+    return samples_.empty() ? std::nullopt : std::optional(samples_.back().stamp);
+  }
+
  private:
   struct Sample {
     double stamp;

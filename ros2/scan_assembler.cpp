@@ -40,6 +40,7 @@ ScanAssembler::ScanAssembler(Options options) : options_(std::move(options)) {
 
 void ScanAssembler::add_scan(ReceivedScan scan, Clock::time_point now, std::size_t lidar) {
   Lidar& source = lidars_[lidar];
+  cut_to_full_turn(scan.scan);
   if (const auto error = validate(scan.scan)) {
     source.problem = "a scan that no lidar makes: " + error->field + " " + error->message;
     return;

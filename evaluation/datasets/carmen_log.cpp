@@ -141,7 +141,7 @@ class MessageCounts {
 /// What PARAM messages have said so far.
 struct Params {
   double range_max_m = kRangeMax;
-  double field_of_view_rad = kPi;
+  std::optional<double> field_of_view_rad;
   std::array<Pose2, 2> laser_offset;  ///< Front and rear, on the robot; headings without the turn.
 };
 
@@ -160,13 +160,19 @@ bool is_same(const Pose2& a, const Pose2& b) {
 /// Old messages have no angles: half a turn unless a PARAM has them, with both ends when the number
 /// of beams is odd.
 LaserScan untold_lidar(std::size_t beams, const Params& params) {
+  const double field_of_view = params.field_of_view_rad.value_or(kPi);
   LaserScan lidar;
-  lidar.angle_min = -params.field_of_view_rad / 2.0;
-  lidar.angle_increment =
-      params.field_of_view_rad / static_cast<double>(beams % 2 == 0 ? beams : beams - 1);
+  lidar.angle_min = -field_of_view / 2.0;
+  lidar.angle_increment = field_of_view / static_cast<double>(beams % 2 == 0 ? beams : beams - 1);
   lidar.range_min = 0.0;
   lidar.range_max = params.range_max_m;
   return lidar;
+}
+
+/// Whether so many beams may be half a turn of a SICK LMS: a degree apart, a half or a quarter.
+bool may_be_half_turn(std::size_t beams) {
+  constexpr std::size_t kDegrees = 180;
+  return beams % 2 == 0 ? kDegrees * 4 % beams == 0 : kDegrees * 4 % (beams - 1) == 0;
 }
 
 class CarmenParser final : public ScanParser {
@@ -200,6 +206,8 @@ class CarmenParser final : public ScanParser {
   std::optional<LogScan> finish() override { return std::exchange(matched_, std::nullopt); }
 
   [[nodiscard]] std::string choice() const override { return lidars_.choice(); }
+
+  [[nodiscard]] std::string assumption() const override { return assumption_; }
 
   [[nodiscard]] std::string contents() const override {
     return "its messages are " + messages_.text() + "; expected " + std::string(kGMappingScan) +
@@ -259,6 +267,13 @@ class CarmenParser final : public ScanParser {
     return true;
   }
 
+  void note_field_of_view(std::string_view message, std::size_t beams) {
+    if (params_.field_of_view_rad || may_be_half_turn(beams) || !assumption_.empty()) return;
+    assumption_ = std::string(message) + " has no angles: its " + std::to_string(beams) +
+                  " beams are taken for half a turn; a line PARAM laser_front_laser_fov 270 in "
+                  "front would state another field of view in degrees";
+  }
+
   [[nodiscard]] Pose2 T_robot_laser(const Laser& laser) const {
     const std::size_t place = laser.param_prefix == kLasers[0].param_prefix ? 0 : 1;
     return params_.laser_offset[place] * laser.T_robot_laser;
@@ -271,6 +286,7 @@ class CarmenParser final : public ScanParser {
     const auto beams = words.next_number<std::size_t>();
     if (auto error = check_beams(laser, beams)) return *error;
     out.scan = untold_lidar(*beams, params_);
+    note_field_of_view(laser.message, *beams);
     if (auto error = read_ranges(laser, words, *beams, out.scan)) return *error;
     if (words.count() > kMostWordsBehindRanges) {
       return malformed(laser.message, std::to_string(words.count()) + " words behind " +
@@ -301,6 +317,7 @@ class CarmenParser final : public ScanParser {
     const auto beams = words.next_number<std::size_t>();
     if (auto error = check_beams(kLaser, beams)) return *error;
     out.scan = untold_lidar(*beams, params_);
+    note_field_of_view(kGMappingScan, *beams);
     if (auto error = read_ranges(kLaser, words, *beams, out.scan)) return *error;
     const auto T_odom_robot = words.next_pose();
     const auto stamp = words.next_number<double>();
@@ -435,6 +452,7 @@ class CarmenParser final : public ScanParser {
 
   /// The first good scan makes the header.
   Result<std::optional<LogScan>> check(const Laser& laser, LogScan scan) {
+    if (cut_to_full_turn(scan.scan)) scan.stated_angle_max.reset();
     if (const auto error = validate(scan.scan)) {
       return malformed(laser.message, error->field + ": " + error->message);
     }
@@ -450,6 +468,7 @@ class CarmenParser final : public ScanParser {
   Params params_;
   std::optional<Odometry> odometry_;
   std::optional<LogScan> matched_;  ///< Of GMapping, until its SM_UPDATE.
+  std::string assumption_;
 };
 
 }  // namespace

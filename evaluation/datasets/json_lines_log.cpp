@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <set>
@@ -38,12 +39,13 @@ bool is_unusual_number(std::string_view token, std::string_view lower_case_name)
                     [&](char lower, char letter) { return is_same_letter(letter, lower); });
 }
 
-float range_or_nan(value range) {
-  const std::string_view token = range.raw_json_token();
-  if (is_unusual_number(token, "nan") || is_unusual_number(token, "inf") || range.is_null()) {
-    return std::numeric_limits<float>::quiet_NaN();
+/// NaN for what is null, or a number that JSON does not have.
+double number_or_nan(value number) {
+  const std::string_view token = number.raw_json_token();
+  if (is_unusual_number(token, "nan") || is_unusual_number(token, "inf") || number.is_null()) {
+    return std::numeric_limits<double>::quiet_NaN();
   }
-  return static_cast<float>(range.get_double().value());
+  return number.get_double();
 }
 
 /// null is no limit.
@@ -65,18 +67,26 @@ std::string expected(std::string_view field) {
 /// A member that is there twice: which is right is not known.
 struct RepeatedMember {};
 
+std::string without_period(std::string message) {
+  if (message.ends_with('.')) message.pop_back();
+  return message;
+}
+
 constexpr const char* kOneObjectPerLine = "expected one object per line, ended by LF";
 
-/// [x, y, yaw] or null.
+/// [x, y, yaw] or null; nothing where one of them is NaN.
 std::optional<Pose2> pose_or_null(value pose) {
   if (pose.is_null()) return std::nullopt;
   std::array<double, 3> numbers{};
   std::size_t count = 0;
-  for (auto number : pose.get_array()) {
+  for (value number : pose.get_array()) {
     if (count == numbers.size()) throw simdjson::simdjson_error(simdjson::INCORRECT_TYPE);
-    numbers[count++] = number.get_double();
+    numbers[count++] = number_or_nan(number);
   }
   if (count != numbers.size()) throw simdjson::simdjson_error(simdjson::INCORRECT_TYPE);
+  if (std::ranges::any_of(numbers, [](double number) { return std::isnan(number); })) {
+    return std::nullopt;
+  }
   return Pose2{numbers[0], numbers[1], wrap_angle(numbers[2])};
 }
 
@@ -97,12 +107,15 @@ class JsonLinesParser final : public ScanParser {
       } else {
         header_ = {};
         named_beams_.reset();
-        has_increment_ = false;
         read_header(document.get_object());
       }
       // Only at the end there is no location.
       if (!document.current_location().error()) {
         return malformed_line("more text behind the object, " + std::string(kOneObjectPerLine));
+      }
+      if (scan && is_header(*scan)) {
+        has_header_ = false;
+        return parse(line);
       }
       if (scan) return lidars_.is_wanted(lidar_) ? check(std::move(*scan)) : nothing();
     } catch (const RepeatedMember&) {
@@ -113,13 +126,13 @@ class JsonLinesParser final : public ScanParser {
                                              : field_ + ": " + expected(field_));
       }
       if (field_.empty())
-        return malformed_line(std::string(error.what()) + " " + kOneObjectPerLine);
+        return malformed_line(without_period(error.what()) + "; " + kOneObjectPerLine);
       return malformed_line(field_ + ": " + error.what());
     }
-    if (!has_increment_) {
-      return malformed_line(
-          "header: expected name, beams, angle_min, angle_increment, range_min and range_max in "
-          "front of the scans");
+    if (const std::string missing = missing_geometry(); !missing.empty()) {
+      return malformed_line("header: without " + missing +
+                            ", expected name, beams, angle_min, angle_increment, range_min and "
+                            "range_max in front of the scans");
     }
     if (auto error = validate(header_.lidar)) {
       return malformed_line("header: " + error->field + " " + error->message);
@@ -127,7 +140,7 @@ class JsonLinesParser final : public ScanParser {
     if (header_.beams > LogReader::kMaxBeams)
       return malformed_line("header: beams " + too_many_beams());
     has_header_ = true;
-    return nothing();
+    return members_.contains("ranges") ? parse(line) : nothing();
   }
 
   [[nodiscard]] std::string contents() const override { return lidars_.contents(); }
@@ -135,6 +148,20 @@ class JsonLinesParser final : public ScanParser {
 
  private:
   static Result<std::optional<LogScan>> nothing() { return std::optional<LogScan>(); }
+
+  /// Whether the line read as a scan begins another log behind the first one.
+  [[nodiscard]] bool is_header(const LogScan& scan) const {
+    return !has_stamp_ && scan.scan.ranges.empty() && missing_geometry().empty();
+  }
+
+  /// What the header, or a scan in its place, does not have.
+  [[nodiscard]] std::string missing_geometry() const {
+    std::string names;
+    for (const char* name : {"angle_min", "angle_increment", "range_max"}) {
+      if (!members_.contains(name)) names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    return names;
+  }
 
   /// Goes on to the next member of an object.
   void begin_member(std::string_view name) {
@@ -156,7 +183,6 @@ class JsonLinesParser final : public ScanParser {
         header_.beams = field.value().get_uint64();
         named_beams_ = header_.beams;
       } else {
-        has_increment_ |= field_ == "angle_increment";
         read_geometry(field.value(), header_.lidar);
       }
     }
@@ -214,7 +240,7 @@ class JsonLinesParser final : public ScanParser {
   void read_ranges(value ranges, LaserScan& scan) {
     for (value range : ranges.get_array()) {
       try {
-        scan.ranges.push_back(range_or_nan(range));
+        scan.ranges.push_back(static_cast<float>(number_or_nan(range)));
       } catch (const simdjson::simdjson_error&) {
         field_ = "ranges/" + std::to_string(scan.ranges.size());
         throw;
@@ -236,6 +262,7 @@ class JsonLinesParser final : public ScanParser {
                             " values, expected " + std::to_string(*named_beams_) +
                             " (from beams of the header)");
     }
+    cut_to_full_turn(scan.scan);
     if (auto error = validate(scan.scan))
       return malformed_line(error->field + ": " + error->message);
     if (auto error = find_value_beyond_limits(scan)) {
@@ -248,7 +275,6 @@ class JsonLinesParser final : public ScanParser {
   simdjson::ondemand::parser json_;
   bool has_header_ = false;
   bool has_stamp_ = false;
-  bool has_increment_ = false;   ///< The header.
   bool has_own_angles_ = false;  ///< The scan being read.
   std::optional<std::size_t> named_beams_;
   double time_increment_ = 0.0;    ///< Of the header.

@@ -112,6 +112,10 @@ Result<LogFormat> detect_log_format(const std::filesystem::path& path) {
                  "is a bag of format " + bytes->substr(9, 3) + ", expected 2.0: see rosbag fix",
                  path.string()};
   }
+  if (bytes->starts_with("version https://")) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "is a Git LFS pointer and not the file itself: see git lfs pull", path.string()};
+  }
   const std::string extension = extension_without_gz(path);
   if (extension == ".tar" || extension == ".tgz") {
     return Error{ErrorCode::kInvalidArgument, "is an archive: unpack it first", path.string()};

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "evaluation/datasets/constant_range.hpp"
 #include "evaluation/datasets/log_format.hpp"
 #include "evaluation/datasets/log_source.hpp"
 #include "evaluation/datasets/odd_scans.hpp"
@@ -55,6 +56,7 @@ LogReader::LogReader(std::unique_ptr<LogSource> source, std::filesystem::path pa
                      double scan_time)
     : source_(std::move(source)),
       path_(std::move(path)),
+      constant_range_(std::make_unique<ConstantRange>()),
       oddities_(std::make_unique<OddScans>()),
       queue_(std::make_unique<ScanQueue>()),
       order_(std::make_unique<StampOrder>()),
@@ -100,6 +102,7 @@ double LogReader::progress() const { return source_->progress(); }
 
 std::vector<std::string> LogReader::notes() const {
   std::vector<std::string> notes = source_->notes();
+  if (std::string note = constant_range_->note(); !note.empty()) notes.push_back(std::move(note));
   for (std::string& note : oddities_->notes()) notes.push_back(std::move(note));
   if (std::string note = queue_->note(); !note.empty()) notes.push_back(std::move(note));
   for (std::string& note : order_->notes()) notes.push_back(std::move(note));
@@ -124,18 +127,32 @@ std::optional<LogScan> LogReader::next() {
   return scan;
 }
 
+std::optional<LogScan> LogReader::next_recorded() {
+  while (!is_read_ && recorded_.size() < ConstantRange::kScans) {
+    std::optional<LogScan> scan = source_->next(faults_);
+    is_read_ = !scan;
+    if (!scan) break;
+    constant_range_->look_at(scan->scan);
+    recorded_.push_back(std::move(*scan));
+  }
+  if (recorded_.empty()) return std::nullopt;
+  LogScan scan = std::move(recorded_.front());
+  recorded_.pop_front();
+  constant_range_->clear(scan.scan);
+  oddities_->look_at(scan);
+  return scan;
+}
+
 std::optional<LogScan> LogReader::next_in_order() {
   while (true) {
-    while (!is_read_ && !queue_->is_full()) {
-      std::optional<LogScan> recorded = source_->next(faults_);
-      is_read_ = !recorded;
+    while (!queue_->is_full()) {
+      std::optional<LogScan> recorded = next_recorded();
       if (!recorded) break;
-      oddities_->look_at(*recorded);
       queue_->push(std::move(*recorded));
     }
     if (queue_->is_empty()) return std::nullopt;
     std::optional<LogScan> scan = queue_->pop();
-    if (!order_->take(*scan, faults_)) continue;
+    if (!order_->take(*scan, queue_->next_stamp(), faults_)) continue;
     ++scans_;
     if (scan_time_ > 0.0) {
       scan->time_increment = scan_time_ / static_cast<double>(scan->scan.ranges.size());

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -79,6 +80,7 @@ struct LogSelection {
   double scan_time = 0.0;
 };
 
+class ConstantRange;
 class LogSource;
 class OddScans;
 class ScanQueue;
@@ -86,8 +88,9 @@ class ScanStraightener;
 class StampOrder;
 
 /// Reads a log scan by scan, and holds no more of it than it needs for the next one. Stamps
-/// strictly increase: see stamp_order.hpp. Scans that were taken beam by beam are straightened:
-/// see scan_straightener.hpp. Records that are broken, and scans out of order, are left out and
+/// strictly increase: see stamp_order.hpp. Ranges that stand for no return are recognized: see
+/// constant_range.hpp. Scans that were taken beam by beam are straightened: see
+/// scan_straightener.hpp. Records that are broken, and scans out of order, are left out and
 /// counted. One thread at a time.
 class LogReader {
  public:
@@ -115,12 +118,15 @@ class LogReader {
 
  private:
   LogReader(std::unique_ptr<LogSource> source, std::filesystem::path path, double scan_time);
+  [[nodiscard]] std::optional<LogScan> next_recorded();
   [[nodiscard]] std::optional<LogScan> next_in_order();
 
   std::unique_ptr<LogSource> source_;
   std::filesystem::path path_;
   LogHeader header_;
   LogFaults faults_;
+  std::unique_ptr<ConstantRange> constant_range_;
+  std::deque<LogScan> recorded_;  ///< Read, for `constant_range_` to look at.
   std::unique_ptr<OddScans> oddities_;
   std::unique_ptr<ScanQueue> queue_;
   std::unique_ptr<StampOrder> order_;

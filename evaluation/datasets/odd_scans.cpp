@@ -54,7 +54,7 @@ void OddScans::look_at_ranges(const LaserScan& scan) {
     if (scan.has_return(beam)) {
       ++returns;
       far += range > kFarthestReturn ? 1 : 0;
-    } else if (range >= scan.range_max - kRangeMaxTolerance) {
+    } else if (range >= no_return_range(scan.range_max)) {
       ++above;
     } else {
       ++below;

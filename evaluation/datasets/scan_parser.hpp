@@ -26,6 +26,9 @@ class ScanParser {
   /// Which lidar's scans are taken and which are not, once that is known; for people.
   [[nodiscard]] virtual std::string choice() const { return ""; }
 
+  /// What was assumed about the scans, for people; may be empty.
+  [[nodiscard]] virtual std::string assumption() const { return ""; }
+
   /// Complete once the first scan was parsed.
   [[nodiscard]] const LogHeader& header() const { return header_; }
 

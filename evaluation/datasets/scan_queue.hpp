@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <deque>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -30,6 +31,11 @@ class ScanQueue {
     LogScan scan = std::move(scans_.front());
     scans_.pop_front();
     return scan;
+  }
+
+  /// Of the scan to come; nothing where there is none.
+  [[nodiscard]] std::optional<double> next_stamp() const {
+    return scans_.empty() ? std::nullopt : std::optional(scans_.front().scan.stamp);
   }
 
   /// What was done, for people; may be empty.

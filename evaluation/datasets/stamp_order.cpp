@@ -27,8 +27,14 @@ bool has_same_bits(float a, float b) {
 
 }  // namespace
 
-bool StampOrder::take(LogScan& scan, LogFaults& faults) {
+bool StampOrder::take(LogScan& scan, std::optional<double> next, LogFaults& faults) {
   const double recorded = scan.scan.stamp;
+  if (is_alone(recorded, next)) {
+    faults.add_scan("stamp " + seconds_text(recorded),
+                    "not between those of the scans before and behind it, " +
+                        seconds_text(last_->scan.stamp) + " and " + seconds_text(*next));
+    return false;
+  }
   if (last_ && recorded < last_->scan.stamp - kSetBackSeconds) {
     begin_run(scan);
   } else if (last_ && recorded > last_->scan.stamp + kRunPause) {
@@ -70,6 +76,11 @@ void StampOrder::note_jump(LogScan& scan) {
                   seconds_text(scan.scan.stamp);
   }
   scan.begins_run = true;
+}
+
+bool StampOrder::is_alone(double stamp, std::optional<double> next) const {
+  if (!last_ || !next || *next < last_->scan.stamp) return false;
+  return stamp > *next + kSetBackSeconds || stamp < last_->scan.stamp - kSetBackSeconds;
 }
 
 bool StampOrder::is_repeated(const LogScan& scan) const {

@@ -1,3 +1,4 @@
+#include <string>
 #include <utility>
 
 #include "evaluation/datasets/line_reader.hpp"
@@ -20,7 +21,8 @@ class TextLog final : public LogSource {
       if (!more) faults.add(place(), more.error().message);
       if (!more || !*more) return end();
       Result<std::optional<LogScan>> scan = parser_->parse(lines_.line());
-      note_choice();
+      note(parser_->choice(), is_choice_noted_);
+      note(parser_->assumption(), is_assumption_noted_);
       if (!scan) {
         faults.add_scan(place(), scan.error().message);
       } else if (*scan) {
@@ -43,11 +45,10 @@ class TextLog final : public LogSource {
     return last;
   }
 
-  void note_choice() {
-    if (is_choice_noted_) return;
-    std::string choice = parser_->choice();
-    is_choice_noted_ = !choice.empty();
-    if (is_choice_noted_) notes_.push_back(std::move(choice));
+  void note(std::string text, bool& is_noted) {
+    if (is_noted || text.empty()) return;
+    is_noted = true;
+    notes_.push_back(std::move(text));
   }
 
   std::optional<LogScan> take(std::optional<LogScan> scan) {
@@ -65,6 +66,7 @@ class TextLog final : public LogSource {
   std::unique_ptr<ScanParser> parser_;
   bool has_scan_ = false;
   bool is_choice_noted_ = false;
+  bool is_assumption_noted_ = false;
 };
 
 Result<std::unique_ptr<LogSource>> open_text_log(const std::filesystem::path& path,

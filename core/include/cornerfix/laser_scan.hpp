@@ -2,6 +2,7 @@
 /// for motion during the sweep.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,13 +14,20 @@
 
 namespace cornerfix {
 
-/// Many drivers report range_max, or a rounded value just below it, for a beam without a return
-/// (Hokuyo, Stage, Gazebo). Ranges this close to range_max are no returns [m].
+/// Many drivers report range_max, or a value just below it, for a beam without a return (Hokuyo,
+/// Stage, Gazebo; a SICK S300 reports 29.96 m of 30 m). Ranges this close to range_max are no
+/// returns: [m], or the share of range_max if that is more.
 inline constexpr double kRangeMaxTolerance = 0.01;
+inline constexpr double kRangeMaxToleranceShare = 0.0015;
+
+/// The shortest range that is no return for being close to range_max; infinite without a limit.
+[[nodiscard]] inline double no_return_range(double range_max) {
+  return std::min(range_max - kRangeMaxTolerance, range_max * (1.0 - kRangeMaxToleranceShare));
+}
 
 /// Beam i looks along angle_min + i * angle_increment in the frame `laser`. A range that is NaN,
-/// infinite, below range_min, or above range_max - kRangeMaxTolerance is no return. That is never
-/// an error and never a point.
+/// infinite, below range_min, or from no_return_range() on is no return. That is never an error and
+/// never a point.
 struct LaserScan {
   double stamp = 0.0;            ///< [s]
   double angle_min = 0.0;        ///< [rad]
@@ -34,7 +42,7 @@ struct LaserScan {
   /// Whether the beam hit something. NaN compares false.
   [[nodiscard]] bool has_return(std::size_t beam) const {
     const double range = static_cast<double>(ranges[beam]);
-    return range >= range_min && range < range_max - kRangeMaxTolerance && std::isfinite(range) &&
+    return range >= range_min && range < no_return_range(range_max) && std::isfinite(range) &&
            range > 0.0;
   }
 };
@@ -64,6 +72,11 @@ struct SubmapScan {
 /// The first field that no lidar can have (not finite but range_max, range_max <= range_min,
 /// increment 0, more than a turn), or nothing. `field` of the error is the field's name.
 [[nodiscard]] std::optional<Error> validate(const LaserScan& scan);
+
+/// Leaves out the beams beyond a full turn. A spinning lidar whose driver keeps the increment takes
+/// more beams than a turn has when it turns slowly. Scans of more than a turn and a quarter stay as
+/// they are, for validate() to refuse. \return Whether beams were left out.
+bool cut_to_full_turn(LaserScan& scan);
 
 /// The returns as points in `laser` [m], in beam order. O(beams).
 [[nodiscard]] std::vector<Point2> returns_as_points(const LaserScan& scan);

@@ -1,6 +1,8 @@
 #include "core/src/map/bmp_image.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <optional>
 #include <string>
 
 namespace cornerfix {
@@ -29,6 +31,25 @@ double brightness_of(std::span<const std::byte> blue_green_red) {
   return sum / 3.0 / 255.0;
 }
 
+/// The byte of a pixel at which its three colours begin, by the masks of red, green and blue. GIMP
+/// puts the alpha in front of them. Nothing where colours are no three bytes in a row.
+std::optional<std::size_t> first_colour_byte(std::span<const std::byte> file) {
+  constexpr std::size_t kMasksAt = kFileHeaderBytes + kInfoHeaderBytes;
+  constexpr std::size_t kMaskBytes = 4;
+  if (file.size() < kMasksAt + 3 * kMaskBytes) return std::nullopt;
+  std::uint32_t colours = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t mask = number(file, kMasksAt + i * kMaskBytes, kMaskBytes);
+    const bool is_byte = std::popcount(mask) == 8 && std::countr_zero(mask) % 8 == 0 &&
+                         (mask >> static_cast<unsigned>(std::countr_zero(mask))) == 0xffU;
+    if (!is_byte) return std::nullopt;
+    colours |= mask;
+  }
+  if (colours == 0x00ffffffU) return 0;
+  if (colours == 0xffffff00U) return 1;
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool BmpImage::is_bmp(std::span<const std::byte> file) {
@@ -42,7 +63,7 @@ Result<BmpImage> BmpImage::open(std::span<const std::byte> file) {
   const std::size_t info_bytes = number(file, kFileHeaderBytes, 4);
   const auto height = static_cast<std::int32_t>(number(file, 22, 4));
   const std::uint32_t compression = number(file, 30, 4);
-  constexpr std::uint32_t kBitFields = 3;  // The usual ones, with 32 bits.
+  constexpr std::uint32_t kBitFields = 3;
   BmpImage image;
   image.width_ = static_cast<std::int32_t>(number(file, 18, 4));
   image.is_top_down_ = height < 0;
@@ -51,6 +72,11 @@ Result<BmpImage> BmpImage::open(std::span<const std::byte> file) {
   if (info_bytes < kInfoHeaderBytes) return malformed("a header of OS/2, expected that of Windows");
   if (compression != 0 && !(compression == kBitFields && image.bits_ == 32)) {
     return malformed("compressed, expected plain pixels");
+  }
+  if (compression == kBitFields) {
+    const auto first = first_colour_byte(file);
+    if (!first) return malformed("masks of other colours than bytes for red, green and blue");
+    image.first_colour_byte_ = *first;
   }
   if (image.width_ < 1 || image.height_ < 1) return malformed("an image without pixels");
   const bool has_palette = image.bits_ == 1 || image.bits_ == 4 || image.bits_ == 8;
@@ -85,7 +111,7 @@ double BmpImage::brightness(std::int64_t row, std::int64_t column) const {
   const auto file_row = static_cast<std::size_t>(is_top_down_ ? row : height_ - 1 - row);
   const auto bit = static_cast<std::size_t>(column) * static_cast<std::size_t>(bits_);
   const auto from = pixels_.subspan(file_row * stride_ + bit / 8);
-  if (bits_ > 8) return brightness_of(from);
+  if (bits_ > 8) return brightness_of(from.subspan(first_colour_byte_));
   // The first pixel of a byte is in its highest bits.
   const auto shift = 8 - static_cast<unsigned>(bits_) - static_cast<unsigned>(bit % 8);
   const unsigned mask = (1U << static_cast<unsigned>(bits_)) - 1U;

@@ -12,7 +12,8 @@
 namespace cornerfix {
 
 /// A view of a file in memory, which must outlive it. Takes palettes of 1, 4 and 8 bits per pixel,
-/// and 24 and 32 bits; the fourth byte of 32 bits is not used. Nothing is allocated for pixels.
+/// and 24 and 32 bits; of 32 bits the byte that is no colour is not used. Nothing is allocated for
+/// pixels.
 class BmpImage {
  public:
   /// `field` of an error is "image". All pixels are in the file if there is none.
@@ -28,7 +29,8 @@ class BmpImage {
   std::int64_t width_ = 0;
   std::int64_t height_ = 0;
   bool is_top_down_ = false;
-  int bits_ = 0;  ///< Per pixel.
+  int bits_ = 0;                       ///< Per pixel.
+  std::size_t first_colour_byte_ = 0;  ///< Of a pixel of 32 bits.
   std::size_t stride_ = 0;
   std::span<const std::byte> pixels_;
   std::array<double, 256> palette_{};  ///< Brightness.

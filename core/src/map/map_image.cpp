@@ -140,6 +140,10 @@ ImagePath image_beside(const std::filesystem::path& yaml_path, const std::string
   std::error_code error;
   std::filesystem::path named = directory / image;
   if (std::filesystem::exists(named, error)) return {std::move(named), ""};
+  std::string with_slashes = image;
+  std::ranges::replace(with_slashes, '\\', '/');
+  std::filesystem::path of_windows = directory / with_slashes;
+  if (std::filesystem::exists(of_windows, error)) return {std::move(of_windows), ""};
   const std::filesystem::path name = image.substr(image.find_last_of("/\\") + 1);
   const std::filesystem::path renamed = yaml_path.stem().string() + name.extension().string();
   for (const std::filesystem::path& candidate : {name, renamed}) {

@@ -52,12 +52,17 @@ class PgmReader {
   std::size_t at_ = 0;
 };
 
-/// Classes of all grey values, so that a pixel costs one look-up.
+/// Classes of all grey values, so that a pixel costs one look-up. Fewer values than 256 are scaled
+/// to bytes and cut as map_server does. So the grey of unknown cells, 205 of 255, stays below what
+/// the default free_thresh takes for free.
 std::vector<Cell> classes_of_grey_values(const MapYaml& yaml, std::int64_t max_value) {
+  constexpr std::int64_t kByte = 255;
+  const std::int64_t scale = std::max(max_value, kByte);
   std::vector<Cell> classes;
   classes.reserve(static_cast<std::size_t>(max_value) + 1);
   for (std::int64_t value = 0; value <= max_value; ++value) {
-    classes.push_back(classify(yaml, static_cast<double>(value) / static_cast<double>(max_value)));
+    const std::int64_t scaled = value * scale / max_value;
+    classes.push_back(classify(yaml, static_cast<double>(scaled) / static_cast<double>(scale)));
   }
   return classes;
 }
@@ -88,15 +93,37 @@ Result<void> read_plain_pixels(PgmReader& reader, const std::vector<Cell>& class
   return {};
 }
 
-/// P5: a byte a value, or two with the higher first. `pixels` begin with the end of the header: a
-/// single blank, or CR and LF where the file is just so much longer.
+/// How much of `rest`, which is what follows the maximum value, is in front of the pixels: a single
+/// blank. CR and LF, or a comment, where the file is just so much longer.
+std::size_t bytes_before_pixels(std::string_view rest, std::size_t pixel_bytes) {
+  if (rest.starts_with("\r\n") && rest.size() == pixel_bytes + 2) return 2;
+  const std::size_t begin = rest.find_first_not_of(" \t\r\n");
+  if (begin < rest.size() && rest[begin] == '#') {
+    const std::size_t line_end = rest.find('\n', begin);
+    if (line_end < rest.size() && rest.size() == line_end + 1 + pixel_bytes) return line_end + 1;
+  }
+  return std::min<std::size_t>(rest.size(), 1);
+}
+
+/// Whether each LF of the file has become CR and LF, as git and FTP do with texts.
+bool has_converted_line_ends(std::string_view rest, std::size_t pixel_bytes) {
+  constexpr std::string_view kLineEnd = "\r\n";
+  if (!rest.starts_with(kLineEnd)) return false;
+  std::size_t line_ends = 0;
+  for (std::size_t at = 0; (at = rest.find(kLineEnd, at)) < rest.size(); at += 2) ++line_ends;
+  return line_ends > 1 && rest.size() == 1 + pixel_bytes + line_ends;
+}
+
+/// P5: a byte a value, or two with the higher first. `pixels` begin with the end of the header.
 Result<void> read_binary_pixels(std::string_view pixels, const std::vector<Cell>& classes,
                                 ImageRows& rows) {
   const std::size_t bytes_per_value = classes.size() > 256 ? 2 : 1;
   const std::size_t expected = static_cast<std::size_t>(rows.width()) *
                                static_cast<std::size_t>(rows.height()) * bytes_per_value;
-  const bool ends_with_crlf = pixels.starts_with("\r\n") && pixels.size() == expected + 2;
-  pixels.remove_prefix(std::min<std::size_t>(pixels.size(), ends_with_crlf ? 2 : 1));
+  if (has_converted_line_ends(pixels, expected)) {
+    return pgm_error("its line feeds have become CR LF: copy it as a binary file");
+  }
+  pixels.remove_prefix(bytes_before_pixels(pixels, expected));
   if (pixels.size() < expected) {
     return pgm_error(std::to_string(pixels.size()) + " bytes of pixels, expected " +
                      std::to_string(expected));

@@ -17,19 +17,39 @@ std::string scan_number_text(double value) {
 
 std::string not_scan_value(double value) { return ", not " + scan_number_text(value); }
 
+constexpr double kScanTurn = 2.0 * std::numbers::pi;
+
+double field_of_view(const LaserScan& scan) {
+  return std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
+}
+
+/// Whether the beams go on beyond a full turn. One beam's width of slack: some drivers repeat the
+/// first bearing as the last.
+bool exceeds_full_turn(const LaserScan& scan) {
+  return field_of_view(scan) > kScanTurn + 2.0 * std::abs(scan.angle_increment) + 1e-3;
+}
+
 }  // namespace
+
+bool cut_to_full_turn(LaserScan& scan) {
+  constexpr double kLongestOverlap = 0.25 * kScanTurn;
+  if (!exceeds_full_turn(scan) || field_of_view(scan) > kScanTurn + kLongestOverlap) return false;
+  constexpr double kRounding = 1e-3;  // [beams]
+  const double beams = kScanTurn / std::abs(scan.angle_increment) + kRounding;
+  scan.ranges.resize(static_cast<std::size_t>(beams));
+  return true;
+}
 
 std::optional<Error> validate(const LaserScan& scan) {
   const auto broken = [](const char* field, const std::string& message) {
     return Error{ErrorCode::kInvalidArgument, message, field};
   };
   if (!std::isfinite(scan.stamp)) return broken("stamp", "must be a finite number of seconds");
-  constexpr double kTurn = 2.0 * std::numbers::pi;
   constexpr double kFarthestBearing = 1e6;  // [rad]; beyond it a beam's bearing loses its digits
   if (!(std::abs(scan.angle_min) <= kFarthestBearing))
     return broken("angle_min", "must be a finite angle in radians, at most 1e6 to either side" +
                                    not_scan_value(scan.angle_min));
-  if (!(std::abs(scan.angle_increment) <= kTurn) || scan.angle_increment == 0.0) {
+  if (!(std::abs(scan.angle_increment) <= kScanTurn) || scan.angle_increment == 0.0) {
     return broken("angle_increment",
                   "must be a finite angle in radians, not zero, at most a full turn" +
                       not_scan_value(scan.angle_increment));
@@ -42,10 +62,7 @@ std::optional<Error> validate(const LaserScan& scan) {
     return broken("range_max", "must be a length in metres above range_min, or infinite" +
                                    not_scan_value(scan.range_max));
   }
-  // One beam's width of slack: some drivers repeat the first bearing as the last.
-  const double field_of_view =
-      std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
-  if (field_of_view > kTurn + 2.0 * std::abs(scan.angle_increment) + 1e-3) {
+  if (exceeds_full_turn(scan)) {
     return broken("ranges", "cover more than a full turn at this angle_increment: " +
                                 std::to_string(scan.ranges.size()) + " beams times " +
                                 scan_number_text(scan.angle_increment) +

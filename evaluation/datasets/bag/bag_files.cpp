@@ -92,6 +92,18 @@ std::optional<fs::path> listed_file(const fs::path& directory, const std::string
   return std::nullopt;
 }
 
+/// The names of the bag files that are not read; a file that was unpacked beside its .zstd is.
+std::string unlisted(const fs::path& directory, const std::vector<fs::path>& listed) {
+  std::string names;
+  for (const fs::path& file : all_bag_files(directory)) {
+    const bool is_read = std::ranges::any_of(listed, [&](const fs::path& path) {
+      return path == file || path.stem() == file.filename();
+    });
+    if (!is_read) names += (names.empty() ? "" : ", ") + file.filename().string();
+  }
+  return names;
+}
+
 /// Names the directories in it that hold a bag.
 Error no_bag(const fs::path& directory, const std::vector<std::string>& notes) {
   std::string message = "is a directory without the files of a bag (.db3, .mcap, .bag)";
@@ -125,7 +137,13 @@ Result<BagFiles> find_bag_files(const fs::path& path) {
       bag.notes.push_back(name + ", listed in metadata.yaml, is missing");
     }
   }
-  if (!bag.paths.empty()) return bag;
+  if (!bag.paths.empty()) {
+    const std::string names_of_others = unlisted(path, bag.paths);
+    if (!names_of_others.empty()) {
+      bag.notes.push_back("not read, since metadata.yaml does not list them: " + names_of_others);
+    }
+    return bag;
+  }
   bag.paths = all_bag_files(path);
   if (bag.paths.empty()) return no_bag(path, bag.notes);
   if (!names.empty()) bag.notes.emplace_back("all bag files of the directory are read, by name");

@@ -9,6 +9,7 @@
 #include "evaluation/datasets/bag/bag_messages.hpp"
 #include "evaluation/datasets/bag/bag_survey.hpp"
 #include "evaluation/datasets/bag/point_cloud_slice.hpp"
+#include "evaluation/datasets/bag/separated_stamps.hpp"
 #include "evaluation/datasets/bag/sorted_messages.hpp"
 #include "evaluation/datasets/bag/stamp_range.hpp"
 #include "evaluation/datasets/log_source.hpp"
@@ -138,6 +139,7 @@ class BagLog final : public LogSource {
 
   void wait(const RecordedMessage& message, LaserScanMessage scan, bool is_level) {
     if (scan.scan.stamp == 0.0) scan.scan.stamp = message.received;
+    separated_.place(scan.scan, message.received);
     scan_stamps_.add(scan.scan.stamp);
     waiting_.push_back({std::move(scan), message.received, message.where, is_level});
   }
@@ -165,10 +167,13 @@ class BagLog final : public LogSource {
     }
   }
 
-  /// Whether what is to come cannot change the pose of the scan, or may not be waited for.
+  /// Whether what is to come cannot change the pose of the scan, or may not be waited for. The
+  /// clock of the recording may have been set back, or stand still.
   [[nodiscard]] bool is_ready(const WaitingScan& scan) const {
     if (is_at_end_ || waiting_.size() > kMaxWaiting) return true;
-    if (now_ - scan.received > kMaxWaitSeconds) return true;
+    if (std::abs(now_ - scan.received) > kMaxWaitSeconds) return true;
+    const double newest_stamp = waiting_.back().message.scan.stamp;
+    if (std::abs(newest_stamp - scan.message.scan.stamp) > kMaxWaitSeconds) return true;
     const auto in_map = find_in_map(scan);
     const auto in_odom = find_in_odom(scan);
     return in_map && in_map->is_final && in_odom && in_odom->T_odom_frame.is_final;
@@ -216,6 +221,7 @@ class BagLog final : public LogSource {
 
   void end() {
     is_at_end_ = true;
+    if (std::string note = separated_.note(); !note.empty()) notes_.push_back(std::move(note));
     if (scan_stamps_.is_empty()) notes_.push_back("its topics are " + list(messages_->topics()));
   }
 
@@ -276,6 +282,7 @@ class BagLog final : public LogSource {
   HeightBand height_;
   FrameTree frames_;
   RobotOdometry odometry_;
+  SeparatedStamps separated_;
   std::deque<WaitingScan> waiting_;
   double now_ = 0.0;  ///< Of the recording [s].
   bool is_at_end_ = false;

@@ -1,9 +1,11 @@
 #include "evaluation/datasets/bag/bag_survey.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -17,6 +19,7 @@ namespace {
 constexpr double kSurveySeconds = 30.0;
 constexpr std::size_t kMessagesLookedAt = 5;  // of each topic
 constexpr std::size_t kFewBeams = 16;
+constexpr double kWideView = 100.0 / 180.0 * std::numbers::pi;  // [rad]
 constexpr double kLateSeconds = 1.0;
 constexpr std::size_t kMostStaticTransforms = 1000;
 
@@ -26,16 +29,21 @@ bool is_scan(MessageKind kind) {
 
 bool gives_scans(MessageKind kind) { return is_scan(kind) || kind == MessageKind::kPointCloud; }
 
-/// 0 for what cannot be read.
-std::size_t beams_of(const RecordedMessage& message) {
+/// Nothing of what cannot be read.
+void look_at_scan(const RecordedMessage& message, SurveyedTopic& topic) {
   if (message.kind == MessageKind::kPointCloud) {
     const auto cloud = parse_point_cloud(message.bytes, message.format);
-    return cloud ? cloud->points.size() : 0;
+    if (cloud) topic.beams = std::max(topic.beams, cloud->points.size());
+    return;
   }
   const auto scan = message.kind == MessageKind::kLaserScan
                         ? parse_laser_scan(message.bytes, message.format)
                         : parse_multi_echo_scan(message.bytes, message.format);
-  return scan ? scan->scan.ranges.size() : 0;
+  if (!scan) return;
+  const std::size_t beams = scan->scan.ranges.size();
+  topic.beams = std::max(topic.beams, beams);
+  topic.field_of_view = std::max(topic.field_of_view,
+                                 std::abs(scan->scan.angle_increment) * static_cast<double>(beams));
 }
 
 SurveyedTopics of_kind(const SurveyedTopics& survey, MessageKind kind) {
@@ -59,7 +67,8 @@ std::string choose_scans(const SurveyedTopics& survey) {
   const auto rank = [](const SurveyedTopic& topic) {
     const bool is_lidar = is_scan(topic.kind) && topic.beams >= kFewBeams;
     const bool is_cloud = topic.kind == MessageKind::kPointCloud && topic.beams > 0;
-    return std::tuple(gives_scans(topic.kind), is_lidar, is_cloud, topic.beams);
+    const bool is_wide = is_lidar && topic.field_of_view >= kWideView;
+    return std::tuple(gives_scans(topic.kind), is_lidar, is_wide, is_cloud, topic.beams);
   };
   const auto best = std::ranges::max_element(survey, {}, rank);
   return best == survey.end() || !gives_scans(best->kind) ? std::string() : best->name;
@@ -141,7 +150,7 @@ class Surveyor {
     has_motion_ = has_motion_ || topic.kind == MessageKind::kOdometry ||
                   (topic.kind == MessageKind::kTransforms && !is_static(topic.name));
     if (!gives_scans(topic.kind)) return true;
-    if (topic.messages <= kMessagesLookedAt) topic.beams = std::max(topic.beams, beams_of(message));
+    if (topic.messages <= kMessagesLookedAt) look_at_scan(message, topic);
     if (!first_scan_) first_scan_ = message.received;
     return !has_motion_ || goes_back_ || message.received <= *first_scan_ + kSurveySeconds;
   }
@@ -155,7 +164,7 @@ class Surveyor {
     const auto known = std::ranges::find(topics_, message.topic, &SurveyedTopic::name);
     if (known != topics_.end()) return *known;
     last_received_.push_back(message.received);
-    return topics_.emplace_back(SurveyedTopic{message.topic, message.kind, 0, 0});
+    return topics_.emplace_back(SurveyedTopic{message.topic, message.kind});
   }
 
   /// A clock that was set back goes back in a topic as well.

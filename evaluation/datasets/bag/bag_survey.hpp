@@ -17,6 +17,7 @@ struct SurveyedTopic {
   MessageKind kind = MessageKind::kLaserScan;
   std::size_t messages = 0;
   std::size_t beams = 0;  ///< Most of the messages looked at; points of a cloud; 0 for other kinds.
+  double field_of_view = 0.0;  ///< The widest of the scans looked at [rad].
   std::vector<StampedTransform> static_transforms = {};  ///< The first ones.
 };
 
@@ -46,8 +47,9 @@ struct BagTopics {
   std::vector<std::string> notes;
 };
 
-/// - Scans: as chosen; or else the topic of most beams. A point cloud is taken where no scan
-/// has 16.
+/// - Scans: as chosen; or else the topic of most beams, of those that see 100 degrees if there are
+///   any: a depth camera has more beams than many a lidar. A point cloud is taken where no scan has
+///   16.
 /// - Transforms: of the nearest namespace that encloses the topic of the scans. Where none does, of
 ///   the only namespace that has any.
 /// - Odometry: as chosen; or else of the nearest namespace; among several of one namespace `odom`,

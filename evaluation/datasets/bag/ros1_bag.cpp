@@ -16,6 +16,7 @@ using Bytes = std::span<const std::byte>;
 
 constexpr std::size_t kBagMagicBytes = sizeof "#ROSBAG V2.0\n" - 1;
 constexpr std::uint32_t kMaxHeaderBytes = 1U << 20U;
+constexpr std::string_view kPlain = "none";  // compression
 
 struct BagOp {
   enum : std::uint8_t { kMessage = 0x02, kIndex = 0x04, kChunk = 0x05, kConnection = 0x07 };
@@ -81,8 +82,9 @@ class Ros1Bag final : public MessageSource {
   [[nodiscard]] std::vector<BagTopic> topics() const override { return channels_.topics(); }
 
  private:
-  /// A record of the file: a chunk is opened, others hold nothing of use outside of chunks. Returns
-  /// why nothing can be read from here on.
+  /// A record of the file: a chunk is opened. The records of the last chunk of a bag that was never
+  /// closed (.bag.active) follow the empty chunk that was to hold them. Returns why nothing can be
+  /// read from here on.
   std::optional<LogFault> next_record(LogFaults& faults) {
     const std::string where = file_.place();
     const auto ends_here = [&](std::string message) { return LogFault{where, std::move(message)}; };
@@ -94,6 +96,10 @@ class Ros1Bag final : public MessageSource {
     std::vector<std::byte> length;
     if (!file_.read(sizeof(std::uint32_t), length)) return ends_here("a record that is cut off");
     const auto size = WireReader(length).number<std::uint32_t>();
+    if ((*op == BagOp::kMessage || *op == BagOp::kConnection) && size <= kMaxChunkBytes) {
+      if (open_loose_record(header, size, where)) return std::nullopt;
+      return ends_here("a record that is cut off");
+    }
     if (*op != BagOp::kChunk || size > kMaxChunkBytes) {
       if (*op == BagOp::kChunk) faults.add(where, "a chunk of " + std::to_string(size) + " bytes");
       const std::uint64_t skipped = *op == BagOp::kIndex ? index_bytes(*fields, size) : size;
@@ -101,9 +107,42 @@ class Ros1Bag final : public MessageSource {
       return std::nullopt;
     }
     std::vector<std::byte> packed;
-    if (!file_.read(size, packed)) return ends_here("a chunk that is cut off");
-    open_chunk(*fields, std::move(packed), where, faults);
-    return std::nullopt;
+    if (file_.read(size, packed)) {
+      open_chunk(*fields, std::move(packed), where, faults);
+      return std::nullopt;
+    }
+    // What is there of a plain chunk can be read.
+    if (fields->text("compression") == kPlain && file_.read(file_.rest(), chunk_)) {
+      faults.add(where, "a chunk that is cut off");
+      show_chunk(where);
+      return std::nullopt;
+    }
+    return ends_here("a chunk that is cut off");
+  }
+
+  /// As if it were a chunk of one record.
+  bool open_loose_record(const std::vector<std::byte>& header, std::uint32_t size,
+                         const std::string& where) {
+    std::vector<std::byte> data;
+    if (!file_.read(size, data)) return false;
+    chunk_.clear();
+    append(header);
+    append(data);
+    show_chunk(where);
+    return true;
+  }
+
+  /// A length and the bytes.
+  void append(const std::vector<std::byte>& block) {
+    const auto size = static_cast<std::uint32_t>(block.size());
+    const auto length = std::as_bytes(std::span(&size, 1));
+    chunk_.insert(chunk_.end(), length.begin(), length.end());
+    chunk_.insert(chunk_.end(), block.begin(), block.end());
+  }
+
+  void show_chunk(const std::string& where) {
+    chunk_reader_ = WireReader(chunk_);
+    chunk_place_ = where;
   }
 
   /// How many bytes of index follow. Bags written in 2010 claim 20 bytes per entry and hold 12;
@@ -129,8 +168,7 @@ class Ros1Bag final : public MessageSource {
     Result<std::vector<std::byte>> chunk = decompress(fields.text("compression"), packed, *size);
     if (!chunk) return faults.add(where, chunk.error().message);
     chunk_ = std::move(*chunk);
-    chunk_reader_ = WireReader(chunk_);
-    chunk_place_ = where;
+    show_chunk(where);
   }
 
   /// A record of the chunk: nothing when it is of no use.

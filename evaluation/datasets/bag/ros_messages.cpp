@@ -101,6 +101,7 @@ Result<LaserScanMessage> parse_scan(std::span<const std::byte> bytes, WireFormat
   scan.ranges.resize(beams);
   for (float& range : scan.ranges) range = read_beam(reader);
   if (!reader.ok()) return malformed(type + ": ends too early");
+  if (cut_to_full_turn(scan)) message.angle_max.reset();
   if (const auto error = validate(scan)) {
     return malformed(type + ": " + error->field + " " + error->message);
   }

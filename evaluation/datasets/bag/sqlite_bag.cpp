@@ -3,6 +3,8 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include <cstdint>
+#include <cstdio>
+#include <string>
 #include <utility>
 
 #include "evaluation/datasets/bag/channel_table.hpp"
@@ -12,6 +14,7 @@ namespace cornerfix::evaluation {
 namespace {
 
 constexpr std::int64_t kMaxMessageBytes = 16 << 20;
+constexpr int kCannotOpen = 14;  // SQLITE_CANTOPEN
 
 // A message that is too large is not even loaded.
 constexpr const char* kMessages =
@@ -21,8 +24,8 @@ constexpr const char* kMessages =
 class SqliteBag final : public MessageSource {
  public:
   /// Throws SQLite::Exception when the file is no bag.
-  explicit SqliteBag(const std::filesystem::path& path)
-      : database_(path.string(), SQLite::OPEN_READONLY), messages_(database_, kMessages) {
+  SqliteBag(const std::string& path, int flags)
+      : database_(path, flags), messages_(database_, kMessages) {
     messages_.bind(1, kMaxMessageBytes);
     last_id_ = database_.execAndGet("SELECT ifnull(max(id), 0) FROM messages").getInt64();
     SQLite::Statement topics(database_, "SELECT id, name, type, serialization_format FROM topics");
@@ -82,11 +85,37 @@ class SqliteBag final : public MessageSource {
   bool is_at_end_ = false;
 };
 
+/// A path as SQLite reads it in a URI.
+std::string escaped(const std::string& path) {
+  std::string out;
+  for (const char letter : path) {
+    char code[4];
+    std::snprintf(code, sizeof code, "%%%02X", static_cast<unsigned>(letter) & 0xffU);
+    const bool is_special = letter == '%' || letter == '?' || letter == '#';
+    out += is_special ? std::string(code) : std::string(1, letter);
+  }
+  return out;
+}
+
+/// Reading a bag whose recorder used a write-ahead log needs a file beside it. Where none can be
+/// made (a read-only disk) and no log is left, the bag is read as a file that nobody changes.
+std::unique_ptr<SqliteBag> open_database(const std::filesystem::path& path) {
+  try {
+    return std::make_unique<SqliteBag>(path.string(), SQLite::OPEN_READONLY);
+  } catch (const SQLite::Exception& error) {
+    std::error_code missing;
+    const auto log_bytes = std::filesystem::file_size(path.string() + "-wal", missing);
+    if (error.getErrorCode() != kCannotOpen || (!missing && log_bytes > 0)) throw;
+    return std::make_unique<SqliteBag>("file:" + escaped(path.string()) + "?immutable=1",
+                                       SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  }
+}
+
 }  // namespace
 
 Result<std::unique_ptr<MessageSource>> open_sqlite_messages(const std::filesystem::path& path) {
   try {
-    return std::unique_ptr<MessageSource>(std::make_unique<SqliteBag>(path));
+    return std::unique_ptr<MessageSource>(open_database(path));
   } catch (const SQLite::Exception& error) {
     return Error{ErrorCode::kMalformed,
                  std::string("is no bag of ROS 2 that can be read, expected tables topics and "

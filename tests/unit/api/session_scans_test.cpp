@@ -54,6 +54,14 @@ TEST(SessionScans, TakeNullAndNumbersBeyondTheLimitsAsNoReturn) {
   }
 }
 
+TEST(SessionScans, AreCutToAFullTurn) {
+  const auto request = session_scans(R"({"stamp": 1, "angle_min": 0, "angle_increment": 0.5,
+      "ranges": [1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2, 3, 4, 5, 6]})");
+  ASSERT_EQ(request.scans.size(), 1U);
+  EXPECT_EQ(request.scans[0].scan.ranges.size(), 12U);
+  EXPECT_EQ(request.scans[0].scan.ranges.back(), 3.0F);
+}
+
 TEST(SessionScans, TakeNumbersInAnyNotation) {
   const auto request = session_scans(
       R"({"stamp": 1.2e3, "ranges": [1E0, 0.25e1, 3.000000000000000000000000000000000001]})");

@@ -85,6 +85,31 @@ TEST(FrameTree, ConnectsFramesByTheFirstOneAboveBoth) {
   EXPECT_FALSE(frames.between("camera", "laser", 1.0));
 }
 
+TEST(FrameTree, FindsAFrameThatMovesBelowTheBase) {
+  FrameTree frames;
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
+  frames.add(moved(1.0, "base_link", "odom", -2.0), kTf);
+  EXPECT_NEAR(frames.find("odom", "laser", 1.0)->transform.translation().x(), 2.3, 1e-12);
+  EXPECT_FALSE(frames.find("odom", "laser", 7.0));
+  EXPECT_FALSE(frames.find("map", "laser", 1.0));
+}
+
+TEST(FrameTree, PrefersAFrameAboveToOneBelow) {
+  FrameTree frames;
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
+  frames.add(moved(1.0, "base_link", "odom_lidar", -2.0), kTf);
+  frames.add(moved(1.0, "odom", "base_link", 5.0), kTf);
+  EXPECT_NEAR(frames.find("odom", "laser", 1.0)->transform.translation().x(), 5.3, 1e-12);
+}
+
+TEST(FrameTree, TakesNoFixedPartBelowTheBaseNorAnotherTree) {
+  FrameTree frames;
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
+  frames.add(moved(1.0, "base_link", "odometer_link", -0.2), kStatic);
+  frames.add(moved(1.0, "robot2/base_link", "robot2/odom", -2.0), kTf);
+  EXPECT_FALSE(frames.find("odom", "laser", 1.0));
+}
+
 TEST(FrameTree, KnowsInWhichFrameAFrameHasMoved) {
   FrameTree frames;
   frames.add(moved(1.0, "world", "base_link", 0.0), kTf);
@@ -97,6 +122,35 @@ TEST(FrameTree, KnowsInWhichFrameAFrameHasMoved) {
   EXPECT_EQ(above[2].name, "world");
   EXPECT_TRUE(above[2].has_moved);
   EXPECT_NEAR(above[2].T_ancestor_frame->transform.translation().x(), 0.4, 1e-12);
+}
+
+TEST(FrameTree, PutsASecondParentBelowAFrame) {
+  FrameTree frames;
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
+  for (const double stamp : {1.0, 1.1, 1.2}) {
+    frames.add(moved(stamp, "odom", "base_link", stamp), kTf);
+    frames.add(moved(stamp, "map", "base_link", 7.0), kTf);
+  }
+  EXPECT_NEAR(frames.find("odom", "laser", 1.15)->transform.translation().x(), 1.45, 1e-12);
+  EXPECT_NEAR(frames.find("map", "laser", 1.15)->transform.translation().x(), 7.3, 1e-12);
+}
+
+TEST(FrameTree, PassesOverASecondParentThatHasAParent) {
+  FrameTree frames;
+  frames.add(moved(1.0, "base_link", "laser", 0.3), kStatic);
+  frames.add(moved(1.0, "world", "odom", 1.0), kTf);
+  frames.add(moved(1.0, "map", "base_link", 7.0), kTf);
+  frames.add(moved(1.0, "odom", "base_link", 2.0), kTf);
+  EXPECT_NEAR(frames.find("map", "laser", 1.0)->transform.translation().x(), 7.3, 1e-12);
+  EXPECT_FALSE(frames.find("odom", "laser", 1.0));
+}
+
+TEST(FrameTree, ReplacesAParentThatIsNoLongerPublished) {
+  FrameTree frames;
+  frames.add(moved(1.0, "gripper", "box", 0.3), kTf);
+  frames.add(moved(9.0, "table", "box", 0.5), kTf);
+  EXPECT_NEAR(frames.find("table", "box", 9.0)->transform.translation().x(), 0.5, 1e-12);
+  EXPECT_FALSE(frames.find("gripper", "box", 9.0));
 }
 
 TEST(FrameTree, ComesToAnEndInACycle) {

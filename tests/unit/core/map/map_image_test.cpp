@@ -253,6 +253,16 @@ TEST_F(MapFiles, TakeTheImageBesideTheYamlForOneOfAnotherComputer) {
   }
 }
 
+TEST_F(MapFiles, TakeAPathOfWindows) {
+  const auto png = encode_grid_png(small_grid());
+  write("images/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  write("map.yaml", encode_grid_yaml(small_grid(), "images\\map.png"));
+  const auto files = load_map_files(directory_ / "map.yaml");
+  ASSERT_TRUE(files.ok()) << files.error().message;
+  EXPECT_EQ(files->image_path, directory_ / "images/map.png");
+  EXPECT_EQ(files->note, "");
+}
+
 TEST_F(MapFiles, TakeTheImageThatWasRenamedWithItsYaml) {
   const auto png = encode_grid_png(small_grid());
   write("second floor.png", {reinterpret_cast<const char*>(png.data()), png.size()});

@@ -33,6 +33,26 @@ TEST(PgmImage, TakesAHeaderWhoseLinesEndAsOnWindows) {
       << "where nothing is left over, the line feed is a pixel";
 }
 
+TEST(PgmImage, PassesOverACommentBehindTheMaximumValue) {
+  EXPECT_EQ(drawn(parse("P5\n3 1\n255\n# by hand\n" + bytes({0, 255, 0}))), "#.#");
+  EXPECT_EQ(drawn(parse("P5\n3 1\n255 # by hand\n" + bytes({0, 255, 0}))), "#.#");
+  EXPECT_EQ(drawn(parse("P5\n3 1\n255\n" + bytes({'#', 255, '\n'}))), "#.#")
+      << "where nothing is left over, # is a pixel";
+}
+
+TEST(PgmImage, RefusesAPgmWhoseLineFeedsWereConverted) {
+  const auto grid = parse("P5\r\n3 1\r\n255\r\n" + bytes({0, '\r', '\n', 255}));
+  ASSERT_FALSE(grid.ok());
+  EXPECT_EQ(grid.error().message,
+            "pgm: its line feeds have become CR LF: copy it as a binary file");
+}
+
+TEST(PgmImage, ScalesFewGreyValuesAsMapServerDoes) {
+  // 205 of 255, the grey of unknown cells, to the nearest.
+  EXPECT_EQ(drawn(parse("P5\n3 1\n200\n" + bytes({0, 161, 200}))), "#?.");
+  EXPECT_EQ(drawn(parse("P2\n3 1\n254\n0 205 254\n")), "#?.");
+}
+
 TEST(PgmImage, JudgesAValueByTheMaximumOfTheFile) {
   EXPECT_EQ(drawn(parse("P5\n3 1\n10\n" + bytes({0, 8, 10}))), "#?.");
 }

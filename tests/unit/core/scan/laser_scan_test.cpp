@@ -71,6 +71,32 @@ TEST(LaserScan, ARangeAtRangeMaxOrJustBelowItIsNoReturn) {
   EXPECT_EQ(returns_as_points(scan).size(), 1U);
 }
 
+// A SICK S300 reports 29.96 m where its range_max is 30 m.
+TEST(LaserScan, ARangeALittleBelowALongRangeMaxIsNoReturn) {
+  LaserScan scan = quarter_turns({29.96F, 29.94F});
+  scan.range_max = 30.0;
+  EXPECT_FALSE(scan.has_return(0));
+  EXPECT_TRUE(scan.has_return(1));
+}
+
+TEST(LaserScan, IsCutToAFullTurn) {
+  LaserScan scan{.angle_increment = -0.0174533, .range_max = 10.0, .ranges = {}};
+  scan.ranges.resize(400, 1.0F);
+  scan.ranges[359] = 2.0F;
+  EXPECT_TRUE(validate(scan).has_value());
+  EXPECT_TRUE(cut_to_full_turn(scan));
+  EXPECT_EQ(scan.ranges.size(), 360U);
+  EXPECT_EQ(scan.ranges.back(), 2.0F);
+  EXPECT_FALSE(cut_to_full_turn(scan));
+}
+
+TEST(LaserScan, StaysAsItIsWhenItIsFarMoreThanATurn) {
+  LaserScan scan{.angle_increment = 1.0, .range_max = 10.0, .ranges = {}};  // Degrees.
+  scan.ranges.resize(360, 1.0F);
+  EXPECT_FALSE(cut_to_full_turn(scan));
+  EXPECT_TRUE(validate(scan).has_value());
+}
+
 TEST(LaserScan, HasNoLimitWhenItsRangeMaxIsInfinite) {
   LaserScan scan = quarter_turns({0.5F, 1e6F, std::numeric_limits<float>::infinity()});
   scan.range_max = kInfinity;

@@ -257,7 +257,8 @@ TEST_F(LogReading, TakesARangeMaxOfNullForNoLimit) {
 
 TEST_F(LogReading, RefusesAHeaderThatNoLidarCanHave) {
   const auto log = read_log(directory_.write(
-      "a.jsonl", R"({"name": "x", "beams": 3, "angle_min": 0, "angle_increment": 0.1})"
+      "a.jsonl", R"({"name": "x", "beams": 3, "angle_min": 0, "angle_increment": 0.1, )"
+                 R"("range_max": 0})"
                  "\n"));
   ASSERT_FALSE(log.ok());
   EXPECT_THAT(log.error().message, HasSubstr("line 1, byte 0: header: range_max"));

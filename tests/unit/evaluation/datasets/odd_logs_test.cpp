@@ -127,11 +127,91 @@ TEST_F(OddLogs, NamesWhatIsExpectedOfAWrongLine) {
   EXPECT_THAT(message_of("a.jsonl", kHeader + std::string(R"({"t": 17e17, "ranges": [1, 1, 1]})")),
               HasSubstr("t: expected seconds from -1e12 to 1e12"));
   EXPECT_THAT(message_of("a.jsonl", lines_stamped({0, 1})),
-              HasSubstr("header: expected name, beams, angle_min"));
+              HasSubstr("header: without angle_min, angle_increment, range_max, expected name, "
+                        "beams, angle_min"));
   EXPECT_THAT(message_of("a.jsonl", std::string("\xff\xfe{\0\"\0", 6)),
               HasSubstr("is text in UTF-16, expected UTF-8"));
   EXPECT_THAT(message_of("a.log", "ODOM 0 0 0 0 0 0 1 host 1\nRAWLASER3 0 1\nRAWLASER3 0 1\n"),
               HasSubstr("holds no scan; its messages are ODOM (1), RAWLASER3 (2); expected"));
+}
+
+TEST_F(OddLogs, NamesWhatAHeaderDoesNotHave) {
+  const std::string no_angle_min = R"({"angle_increment": 1, "range_min": 0, "range_max": 30})"
+                                   "\n";
+  const auto log = LogReader::open(directory_.write("a.jsonl", no_angle_min + lines_stamped({1})));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("header: without angle_min, expected"));
+}
+
+TEST_F(OddLogs, ReadsScansWithTheirOwnGeometryWithoutAHeader) {
+  std::string lines;
+  for (int i = 1; i <= 3; ++i) {
+    lines += R"({"angle_min": -1, "angle_increment": 1, "range_min": 0, "range_max": 30, "t": )" +
+             std::to_string(i) + R"(, "ranges": [1, 2, 3]})" + "\n";
+  }
+  const auto log = read_log(directory_.write("a.jsonl", lines));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  EXPECT_EQ(log->scans.size(), 3U);
+  EXPECT_EQ(log->header.name, "a");
+}
+
+TEST_F(OddLogs, TakesTheGeometryOfASecondHeader) {
+  const std::string second =
+      R"({"name": "b", "beams": 2, "angle_min": 0, "angle_increment": 0.5, "range_max": 9})"
+      "\n";
+  auto reader = LogReader::open(directory_.write(
+      "a.jsonl", kHeader + lines_stamped({1, 2}) + second + R"({"t": 3, "ranges": [1, 1]})"));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  const RecordedLog log = read_all(*reader);
+  EXPECT_EQ(remarks(*reader), "");
+  ASSERT_EQ(log.scans.size(), 3U);
+  EXPECT_EQ(log.scans[1].scan.angle_increment, 1.5);
+  EXPECT_EQ(log.scans[2].scan.angle_increment, 0.5);
+}
+
+TEST_F(OddLogs, UsesAScanWhoseOdometryIsNaN) {
+  for (const char* odom : {"[NaN, NaN, NaN]", "[1, 2, NaN]", "[null, null, null]"}) {
+    auto reader = LogReader::open(directory_.write(
+        "a.jsonl", kHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "odom": )") + odom +
+                       R"(, "pose": [1, 2, 3]})"));
+    ASSERT_TRUE(reader.ok()) << odom << reader.error().message;
+    const RecordedLog log = read_all(*reader);
+    ASSERT_EQ(log.scans.size(), 1U);
+    EXPECT_FALSE(log.scans[0].T_odom_laser);
+    EXPECT_TRUE(log.scans[0].T_map_laser);
+  }
+}
+
+TEST_F(OddLogs, TakesTheConstantThatStandsForNoReturn) {
+  std::string lines;
+  for (int i = 0; i < 30; ++i) {
+    lines += R"({"t": )" + std::to_string(i) + R"(, "ranges": [)";
+    for (int beam = 0; beam < 60; ++beam)
+      lines += beam % 3 == 0 ? "81.91, " : std::to_string(1 + 0.01 * beam) + ", ";
+    lines += "2]}\n";
+  }
+  const std::string header =
+      R"({"angle_min": 0, "angle_increment": 0.05, "range_min": 0, "range_max": 100})"
+      "\n";
+  auto reader = LogReader::open(directory_.write("a.jsonl", header + lines));
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  for (const LogScan& scan : read_all(*reader).scans) {
+    EXPECT_EQ(returns_as_points(scan.scan).size(), 41U) << scan.scan.stamp;
+  }
+  EXPECT_EQ(remarks(*reader),
+            "600 ranges of exactly 81.91 m are taken for no returns: none is longer, and hits of a "
+            "wall would differ");
+}
+
+TEST_F(OddLogs, LeavesOutAScanWhoseStampIsNoTime) {
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", kHeader + lines_stamped({10, 10.1, 4e8, 10.3, 1, 10.4, 10.5})));
+  ASSERT_TRUE(reader.ok());
+  const RecordedLog log = read_all(*reader);
+  EXPECT_EQ(log.scans.size(), 5U);
+  for (const LogScan& scan : log.scans) EXPECT_FALSE(scan.begins_run);
+  EXPECT_EQ(reader->faults().scans(), 2U);
+  EXPECT_EQ(reader->faults().first()[0].where, "stamp 400000000.000000 s");
 }
 
 TEST_F(OddLogs, NamesWhatAFileIsThatMustBeUnpacked) {
@@ -296,6 +376,19 @@ TEST_F(OddLogs, NamesTheFieldOfViewThatDoesNotFitTheBeams) {
           "a.log", "ROBOTLASER1 0 -1.5 3 0.2 30 0.01 0 4 1 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1 h 1\n")),
       HasSubstr("angle_max does not fit in 1 scans, in the first it is 1.5 rad, where "
                 "angle_min -1.5, angle_increment 0.2 and 4 beams end at -0.9 rad"));
+}
+
+TEST_F(OddLogs, NamesTheFieldOfViewThatItAssumes) {
+  const auto remarks_of = [&](const std::string& head, int beams) {
+    std::string line = "FLASER " + std::to_string(beams);
+    for (int beam = 0; beam < beams; ++beam) line += " " + std::to_string(1.0 + 0.01 * beam);
+    return remarks_about(directory_.write("a.log", head + line + " 0 0 0 0 0 0 1 host 1\n"));
+  };
+  EXPECT_THAT(remarks_of("", 1081), HasSubstr("FLASER has no angles: its 1081 beams are taken for "
+                                              "half a turn; a line PARAM laser_front_laser_fov"));
+  EXPECT_EQ(remarks_of("PARAM laser_front_laser_fov 270\n", 1081), "");
+  for (const int of_a_sick : {180, 181, 360, 361, 720, 721})
+    EXPECT_EQ(remarks_of("", of_a_sick), "");
 }
 
 TEST_F(OddLogs, NamesTheCarmenMessagesThatAreNotTaken) {
