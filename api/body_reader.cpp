@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "api/binary_batch.hpp"
 #include "api/json_reader.hpp"
 
 namespace cornerfix::api {
@@ -45,6 +46,7 @@ bool read_binary(std::string_view body, nlohmann::json::input_format_t format,
 
 bool read(std::string_view body, BodyFormat format, DocumentBuilder& builder) {
   if (format == BodyFormat::kJson) return read_json(body, builder);
+  if (format == BodyFormat::kBinaryBatch) return read_binary_batch(body, builder);
   if (format == BodyFormat::kMessagePack) {
     return read_binary(body, nlohmann::json::input_format_t::msgpack, builder);
   }

@@ -97,6 +97,7 @@ std::string_view media_type(BodyFormat format) {
     case BodyFormat::kMessagePack:
       return "application/msgpack";
     case BodyFormat::kJson:
+    case BodyFormat::kBinaryBatch:
       break;
   }
   return "application/json";
@@ -109,6 +110,7 @@ std::string encode(const Json& document, BodyFormat format) {
     case BodyFormat::kMessagePack:
       return as_string(Json::to_msgpack(document));
     case BodyFormat::kJson:
+    case BodyFormat::kBinaryBatch:
       break;
   }
   return document.dump(-1, ' ', false, Json::error_handler_t::replace);

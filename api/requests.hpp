@@ -1,9 +1,10 @@
 /// \file  Request bodies, parsed and validated whole before anything is done with them.
 ///
-/// Bodies are JSON (scans by simdjson), CBOR or MessagePack by content type. A parse gives a
-/// request that is valid in every field, or a Problem with a pointer to each wrong one (at most
-/// 20). Limits are checked while parsing. Unknown members are wrong, but those of ROS messages that
-/// are not used. A member that is there twice makes a body malformed.
+/// Bodies are JSON (scans by simdjson), CBOR or MessagePack by content type; binary_batch.hpp has
+/// one more for batches of sessions. A parse gives a request that is valid in every field, or a
+/// Problem with a pointer to each wrong one (at most 20). Limits are checked while parsing. Unknown
+/// members are wrong, but those of ROS messages that are not used. A member that is there twice
+/// makes a body malformed.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,12 @@ struct RequestLimits {
   std::size_t max_beams = 20'000;  ///< A scan.
 };
 
-enum class BodyFormat { kJson, kCbor, kMessagePack };
+enum class BodyFormat {
+  kJson,
+  kCbor,
+  kMessagePack,
+  kBinaryBatch,  ///< Of a batch of a session only, see binary_batch.hpp; never of an answer.
+};
 
 /// `lidar` of the contract.
 struct Lidar {

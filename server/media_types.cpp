@@ -71,7 +71,9 @@ api::AnswerProfile profile_of(std::string_view parameters) {
 
 std::optional<BodyFormat> format_of_content_type(std::string_view content_type) {
   const std::string_view media_type = next_part(content_type, ';');
-  return media_type.empty() ? BodyFormat::kJson : format_of(media_type);
+  if (media_type.empty()) return BodyFormat::kJson;
+  if (lower_case(media_type) == kBinaryBatchType) return BodyFormat::kBinaryBatch;
+  return format_of(media_type);
 }
 
 AnswerFormat best_format(std::string_view accept) {

@@ -9,6 +9,8 @@
 
 namespace cornerfix::server {
 
+inline constexpr const char* kBinaryBatchType = "application/octet-stream";
+
 /// The format of a body with this Content-Type, or nothing when it is none of ours. Without any
 /// Content-Type a body is taken as JSON.
 [[nodiscard]] std::optional<api::BodyFormat> format_of_content_type(std::string_view content_type);

@@ -98,9 +98,13 @@ std::variant<std::map<std::string, std::string>, Response> read_form(Exchange& e
   return parts;
 }
 
-Response unsupported_media_type(const std::string& content_type) {
-  std::string detail =
-      "Send application/json, application/cbor or application/msgpack, not " + content_type + ".";
+Response unsupported_media_type(const std::string& content_type, BodyRule rule) {
+  const std::string types =
+      rule == BodyRule::kScanBatch
+          ? std::string("application/json, application/cbor, application/msgpack or ") +
+                kBinaryBatchType
+          : "application/json, application/cbor or application/msgpack";
+  std::string detail = "Send " + types + ", not " + content_type + ".";
   if (content_type.starts_with("application/x-www-form-urlencoded")) {
     detail += " (That is curl's default: add -H 'Content-Type: application/json'.)";
   }
@@ -140,7 +144,8 @@ std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t
   const bool is_archive = rule == BodyRule::kArchive;
   const std::string content_type = exchange.raw.get_header_value("Content-Type");
   const auto format = is_archive ? api::BodyFormat::kJson : format_of_content_type(content_type);
-  if (!format) return unsupported_media_type(content_type);
+  const bool is_foreign = format == api::BodyFormat::kBinaryBatch && rule != BodyRule::kScanBatch;
+  if (!format || is_foreign) return unsupported_media_type(content_type, rule);
   if (is_archive && content_type != kArchiveType) {
     return problem_response(415, "unsupported_media_type",
                             std::string("Send an archive as ") + kArchiveType + ".");

@@ -19,6 +19,7 @@ namespace cornerfix::server {
 enum class BodyRule {
   kIgnored,           ///< Read and dropped: none is needed.
   kDocument,          ///< JSON, CBOR or MessagePack.
+  kScanBatch,         ///< The same, or the binary batch of a session.
   kOptionalDocument,  ///< The same, or none, which is an empty object.
   kArchive,           ///< Bytes of a map's archive.
   kForm,              ///< multipart/form-data, in Request::parts.

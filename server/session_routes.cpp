@@ -262,7 +262,7 @@ void add_session_routes(Router& router, const Services& services) {
   add("DELETE", "/v1/sessions/{id}", Access::kSession, kIgnored, &SessionRoutes::remove);
   add("POST", "/v1/sessions/{id}/reset", Access::kSession, kOptionalDocument,
       &SessionRoutes::reset);
-  add("POST", "/v1/sessions/{id}/scans", Access::kSession, kDocument, &SessionRoutes::post_scans);
+  add("POST", "/v1/sessions/{id}/scans", Access::kSession, kScanBatch, &SessionRoutes::post_scans);
   add("GET", "/v1/sessions/{id}/history", Access::kRead, kIgnored, &SessionRoutes::history);
   add("GET", "/v1/sessions/{id}/events", Access::kRead, kIgnored, &SessionRoutes::events);
   add("POST", "/v1/maps/{map}/localize", Access::kSession, kDocument, &SessionRoutes::localize);

@@ -1,6 +1,7 @@
-// Any bytes are the body of a call in JSON, CBOR or MessagePack, or a problem that says what is
-// wrong. The first byte picks the format and the call. What is accepted keeps the promises that the
-// library asserts: finite geometry, stamps that increase, no more than the limits.
+// Any bytes are the body of a call in JSON, CBOR, MessagePack or as a binary batch, or a problem
+// that says what is wrong. The first byte picks the format and the call. What is accepted keeps the
+// promises that the library asserts: finite geometry, stamps that increase, no more than the
+// limits.
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -92,8 +93,8 @@ int check_parsed(const api::Parsed<T>& parsed) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string_view body(reinterpret_cast<const char*>(data) + 1, size - 1);
-  const auto format = static_cast<api::BodyFormat>(data[0] % 3U);
-  switch (data[0] / 3U % 6U) {
+  const auto format = static_cast<api::BodyFormat>(data[0] % 4U);
+  switch (data[0] / 4U % 6U) {
     case 0:
       return check_parsed(api::parse_session_scans(body, format, kLidar, kLimits));
     case 1:

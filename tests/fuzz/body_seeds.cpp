@@ -1,11 +1,13 @@
 // Writes bodies of calls in each format into a directory, for the fuzzer to begin with.
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "api/json_codec.hpp"
+#include "support/binary_text.hpp"
 
 namespace {
 
@@ -39,19 +41,40 @@ std::array<std::string, 6> bodies() {
           R"({"poses": [)" + pose + "]}"};
 }
 
-}  // namespace
+/// A session's batch of float32 ranges; each scan has odometry where `flags` is 1.
+std::string binary_batch(std::uint32_t flags) {
+  const auto header = binary_header({.flags = flags, .sequence = 7, .scans = 2, .beams = 3});
+  const std::string odometry = flags == 1 ? binary_text(0.1, 0.0, -0.5) : "";
+  const std::string rest = odometry + binary_text(1.0F, 2.0F, 2.5F);
+  return header + binary_text(1.5) + rest + binary_text(2.5) + rest;
+}
 
-int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+/// Into a file of a name of its own, behind the byte that selects call and format.
+bool write(const std::filesystem::path& directory, const std::string& name, std::size_t call,
+           BodyFormat format, const std::string& body) {
+  std::ofstream file(directory / name, std::ios::binary);
+  const auto selector = static_cast<char>(4 * call + static_cast<std::size_t>(format));
+  return static_cast<bool>((file << selector << body).flush());
+}
+
+bool write_all(const std::filesystem::path& directory) {
   const auto texts = bodies();
+  bool good = true;
   for (std::size_t call = 0; call < texts.size(); ++call) {
     const Json body = Json::parse(texts[call]);
     for (const auto format : {BodyFormat::kJson, BodyFormat::kCbor, BodyFormat::kMessagePack}) {
-      const auto selector = static_cast<char>(3 * call + static_cast<std::size_t>(format));
-      const auto name = "body_" + std::to_string(static_cast<int>(selector));
-      std::ofstream file(std::filesystem::path(argv[1]) / name, std::ios::binary);
-      if (!(file << selector << encode(body, format)).flush()) return 1;
+      const auto name =
+          "body_" + std::to_string(call) + "_" + std::to_string(static_cast<int>(format));
+      good &= write(directory, name, call, format, encode(body, format));
     }
   }
-  return 0;
+  for (const std::uint32_t flags : {0U, 1U}) {
+    const auto name = "binary_" + std::to_string(flags);
+    good &= write(directory, name, 0, BodyFormat::kBinaryBatch, binary_batch(flags));
+  }
+  return good;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return argc == 2 && write_all(argv[1]) ? 0 : 1; }

@@ -467,33 +467,5 @@ TEST_F(SessionsApiTest, AnswersASingleQuestion) {
   EXPECT_THAT(client_.get("/v1/sessions").json()["sessions"], IsEmpty());
 }
 
-TEST_F(SessionsApiTest, TakesAndGivesCborAndMessagePack) {
-  const std::string id = testing::open_session(client_, "cart-7", "office");
-  const auto cbor = Json::to_cbor(testing::session_batch(drive_, 0));
-  const Reply first =
-      client_.send("POST", "/v1/sessions/" + id + "/scans", std::string(cbor.begin(), cbor.end()),
-                   "application/cbor", {{"Accept", "application/cbor"}});
-  ASSERT_EQ(first.status, 200) << first.body;
-  EXPECT_EQ(first.header("content-type"), "application/cbor");
-  EXPECT_EQ(Json::from_cbor(first.body)["sequence"], 0);
-  const auto packed = Json::to_msgpack(testing::session_batch(drive_, 1));
-  const Reply second = client_.send("POST", "/v1/sessions/" + id + "/scans",
-                                    std::string(packed.begin(), packed.end()),
-                                    "application/msgpack", {{"Accept", "application/msgpack"}});
-  ASSERT_EQ(second.status, 200) << second.body;
-  EXPECT_EQ(Json::from_msgpack(second.body)["sequence"], 1);
-}
-
-TEST_F(SessionsApiTest, TakesALaserScanOfRosbridge) {
-  const std::string id = testing::open_session(client_, "cart-7", "office");
-  Json scan = testing::session_batch(drive_, 0)["scans"][0];
-  Json message = testing::lidar_json();
-  message["header"] = {{"stamp", {{"secs", 12}, {"nsecs", 500'000'000}}}, {"frame_id", "laser"}};
-  message["ranges"] = scan["ranges"];
-  message["intensities"] = Json::array();
-  const Reply reply = post(id, Json{{"sequence", 0}, {"scans", {message}}});
-  EXPECT_EQ(reply.status, 200) << reply.body;
-}
-
 }  // namespace
 }  // namespace cornerfix

@@ -12,8 +12,9 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.request
 
-from real_server import CLIENT, SHORT_SIGHTED, WILLOW, RealServer, record_run
+from real_server import CLIENT, SHORT_SIGHTED, SOURCE, WILLOW, RealServer, record_run
 
 sys.path.insert(0, str(CLIENT))
 from cornerfix import Client, Near, Pose, Problem, Robot, Scan, read_log  # noqa: E402
@@ -335,6 +336,29 @@ class RealServerTest(unittest.TestCase):
         self.assertEqual((mine["stamp"], mine["ranges"]), (theirs["stamp"], theirs["ranges"]))
         for name in ("x", "y", "yaw"):
             self.assertAlmostEqual(mine["odom"][name], theirs["odom"][name])
+
+    def test_the_binary_batch_of_the_guide_is_taken(self):
+        self.put_willow()
+        guide = (SOURCE / "docs" / "http-api.md").read_text()
+        example = {}
+        exec(re.search(r"```python\n(import struct.*?)```", guide, re.DOTALL).group(1), example)
+        first = self.scans[0]
+        ranges = [math.nan if each is None else each for each in first.ranges]
+        odom = (first.odom.x, first.odom.y, first.odom.yaw)
+        body = example["binary_batch"](0, [(first.stamp, odom, ranges)])
+        session = self.client.create_session(
+            {"robot": "cart-7", "map": "willow", "lidar": first.lidar.to_json()}
+        )
+        request = urllib.request.Request(
+            f"{self.server.url}/v1/sessions/{session.id}/scans",
+            body,
+            {"Content-Type": "application/octet-stream"},
+        )
+        with urllib.request.urlopen(request) as answer:
+            posted = json.load(answer)
+        self.assertEqual(posted["local"]["scans"], 1)
+        same = self.client.post_scans(session.id, 0, [first.to_json(first.lidar)])
+        self.assertEqual(same.status, posted["status"])
 
     def test_the_example_of_the_readme_runs(self):
         self.put_willow()

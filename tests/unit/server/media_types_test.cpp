@@ -15,6 +15,11 @@ TEST(ContentType, NamesTheFormat) {
   EXPECT_EQ(format_of_content_type("application/x-msgpack"), BodyFormat::kMessagePack);
 }
 
+TEST(ContentType, NamesABinaryBatchThatIsNoAnswer) {
+  EXPECT_EQ(format_of_content_type("application/octet-stream"), BodyFormat::kBinaryBatch);
+  EXPECT_EQ(best_format("application/octet-stream").body, BodyFormat::kJson);
+}
+
 TEST(ContentType, MayBeMissing) { EXPECT_EQ(format_of_content_type(""), BodyFormat::kJson); }
 
 TEST(ContentType, RefusesOthers) {
