@@ -32,6 +32,7 @@ struct Request {
   api::BodyFormat answer_format = api::BodyFormat::kJson;          ///< By Accept,
   api::AnswerProfile answer_profile = api::AnswerProfile::kPlain;  ///< as this.
   std::string if_none_match;
+  std::optional<std::string> if_match;
   bool prefers_async = false;  ///< An answer at once, and the work as a job.
   Principal principal;
 

@@ -321,6 +321,7 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   request.answer_format = answer.body;
   request.answer_profile = answer.profile;
   request.if_none_match = raw.get_header_value("If-None-Match");
+  if (raw.has_header("If-Match")) request.if_match = raw.get_header_value("If-Match");
   request.prefers_async = asks_for_async(raw);
   if (may_have_body(raw.method)) {
     if (auto refusal = take_body(exchange, route->body, config.max_body_bytes)) return *refusal;

@@ -107,19 +107,30 @@ Result<std::size_t> MapLibrary::count() {
   return stores_->with_maps([](MapStore& maps) { return maps.count(); });
 }
 
-Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request) {
-  return retrying([&] { return put_once(name, request); });
+Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request,
+                             const ExpectedRevision& expected) {
+  return retrying([&] { return put_once(name, request, expected); });
 }
 
-Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request) {
-  if (!request.parameters_json) return store_entry(name, request);
+Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request,
+                                  const ExpectedRevision& expected) {
+  if (!request.parameters_json && !expected) return store_entry(name, request);
   auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
-  if (!found) return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+  if (!found) {
+    if (const auto checked = check_revision(0, expected); !checked) return checked.error();
+    return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+  }
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
+  if (!request.parameters_json) {
+    return store_entry(name, request,
+                       storage::MapRemake{found->revision, {found->feature_count, found->bounds}});
+  }
   const auto merged = api::merged_parameters(found->parameters_json, *request.parameters_json);
   if (!merged) return merged.error();
   MapInfo remade = *found;
@@ -155,8 +166,17 @@ Result<storage::MapOutline> MapLibrary::outline_with(const MapInfo& info) {
   return outline_of(*mapper);
 }
 
-Result<void> MapLibrary::remove(std::string_view name) {
-  return stores_->with_maps([&](MapStore& maps) { return maps.remove(name); });
+Result<void> MapLibrary::remove(std::string_view name, const ExpectedRevision& expected) {
+  return retrying([&] { return remove_once(name, expected); });
+}
+
+Result<void> MapLibrary::remove_once(std::string_view name, const ExpectedRevision& expected) {
+  if (expected) {
+    const auto found = find(name);
+    if (!found) return found.error();
+    if (auto checked = check_revision(found->revision, expected); !checked) return checked;
+  }
+  return stores_->with_maps([&](MapStore& maps) { return maps.remove(name, expected); });
 }
 
 Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
@@ -173,16 +193,19 @@ Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
   return lidar;
 }
 
-Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {
-  return retrying([&] { return grow_once(name, scans); });
+Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans,
+                                         const ExpectedRevision& expected) {
+  return retrying([&] { return grow_once(name, scans, expected); });
 }
 
-Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans) {
-  return retrying([&] { return grow_once(name, scans); });
+Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans,
+                                         const ExpectedRevision& expected) {
+  return retrying([&] { return grow_once(name, scans, expected); });
 }
 
 template <typename Scan>
-Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<const Scan> scans) {
+Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<const Scan> scans,
+                                              const ExpectedRevision& expected) {
   constexpr bool kHavePoses = std::is_same_v<Scan, PosedScan>;
   auto found = find(name);
   if (!found) return found.error();
@@ -202,6 +225,8 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
                          .features = found->feature_count,
                          .revision = found->revision};
   if (fresh.empty()) return report;
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
 
   // From here on what is in memory is ahead of the store, until the store has the growth too.
   Mapper mapper = std::move(*growing->mapper);
@@ -247,18 +272,22 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
 }
 
 Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
-                                           std::span<const api::StampedPose> poses) {
-  return retrying([&] { return set_trajectory_once(name, poses); });
+                                           std::span<const api::StampedPose> poses,
+                                           const ExpectedRevision& expected) {
+  return retrying([&] { return set_trajectory_once(name, poses, expected); });
 }
 
 Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
-                                                std::span<const api::StampedPose> poses) {
+                                                std::span<const api::StampedPose> poses,
+                                                const ExpectedRevision& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
   if (found->has_floor_map) return no_key_frames();
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(found->id); });
   if (!key_frames) return key_frames.error();

@@ -49,6 +49,10 @@ struct FloorMapReport {
   std::vector<std::string> warnings;  ///< What the occupancy map's owner should know.
 };
 
+/// Of the map that a caller wants to change, 0 for none; nothing: any. Where the map is not at that
+/// revision the change is kConflict, `field` "revision", unless it has been made already.
+using ExpectedRevision = std::optional<std::uint64_t>;
+
 /// What is known of a revision.
 struct MapVersion {
   std::string digest;  ///< Empty when the revision is not kept.
@@ -71,8 +75,9 @@ class MapLibrary {
   [[nodiscard]] Result<std::size_t> count();
   /// True when the map was created. Parameters join those that the map has; kInvalidArgument when
   /// its grid would become too large with them.
-  [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
-  [[nodiscard]] Result<void> remove(std::string_view name);
+  [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request,
+                                 const ExpectedRevision& expected = {});
+  [[nodiscard]] Result<void> remove(std::string_view name, const ExpectedRevision& expected = {});
 
   /// The map's lidar for simulated scans; without `beams` of its own it has as many as the map's
   /// first scan of it. Nothing when the map was not given any.
@@ -80,20 +85,23 @@ class MapLibrary {
 
   /// kConflict when the map was made from scans without poses.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
-                                             std::span<const PosedScan> scans);
+                                             std::span<const PosedScan> scans,
+                                             const ExpectedRevision& expected = {});
   /// Scans of a run without poses, in its order: lidar odometry gives them, and load() takes
   /// their drift away. After a restart the run goes on at its last keyframe. kConflict when the
   /// map was made from scans at poses; kInvalidArgument when a new scan is not later than the
   /// keyframes.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
-                                             std::span<const RobotScan> scans);
+                                             std::span<const RobotScan> scans,
+                                             const ExpectedRevision& expected = {});
 
   /// Makes the map from a ROS occupancy map alone; a map made so before is made anew, in its frame
   /// and with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
   /// kUnavailable when `progress` gave up.
   [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
                                                      std::span<const std::byte> image,
-                                                     const WorkProgress& progress = {});
+                                                     const WorkProgress& progress = {},
+                                                     const ExpectedRevision& expected = {});
 
   /// The whole map as one SQLite file.
   [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
@@ -108,7 +116,8 @@ class MapLibrary {
   [[nodiscard]] Result<MapVersion> version(std::string_view name, std::uint64_t revision);
   /// The content, lidar and parameters of a kept revision become those of a new one; the present
   /// revision stays as it is. kNotFound, `field` "revision", when it is not kept.
-  [[nodiscard]] Result<storage::MapInfo> roll_back(std::string_view name, std::uint64_t revision);
+  [[nodiscard]] Result<storage::MapInfo> roll_back(std::string_view name, std::uint64_t revision,
+                                                   const ExpectedRevision& expected = {});
 
   /// The map's grid as it is to be shown: the occupancy map as it was put, or what scans made.
   /// Empty when the map has neither.
@@ -118,7 +127,8 @@ class MapLibrary {
   /// the stamps that are missing, when some have none, and when the map would spread beyond what
   /// its grid can hold.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
-                                                        std::span<const api::StampedPose> poses);
+                                                        std::span<const api::StampedPose> poses,
+                                                        const ExpectedRevision& expected = {});
 
   /// The newest revision of a map, from memory, from the store, or made again and then stored. The
   /// trajectory of a map that drifts is then optimised, with calls of `progress`.
@@ -147,11 +157,15 @@ class MapLibrary {
   /// Either kind of scans.
   template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
-                                                  std::span<const Scan> scans);
-  [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
+                                                  std::span<const Scan> scans,
+                                                  const ExpectedRevision& expected);
+  [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request,
+                                      const ExpectedRevision& expected);
+  [[nodiscard]] Result<void> remove_once(std::string_view name, const ExpectedRevision& expected);
   [[nodiscard]] Result<FloorMapReport> put_floor_map_once(std::string_view name,
                                                           const OccupancyGrid& floor_map,
-                                                          const WorkProgress& progress);
+                                                          const WorkProgress& progress,
+                                                          const ExpectedRevision& expected);
   /// \param before  The entry as it is; revision 0 when there is none.
   [[nodiscard]] Result<FloorMapReport> make_from_floor_map(std::string_view name,
                                                            const OccupancyGrid& floor_map,
@@ -161,9 +175,11 @@ class MapLibrary {
                                          const std::optional<storage::MapRemake>& remake = {});
   [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);
   [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
-      std::string_view name, std::span<const api::StampedPose> poses);
+      std::string_view name, std::span<const api::StampedPose> poses,
+      const ExpectedRevision& expected);
   [[nodiscard]] Result<storage::MapInfo> roll_back_once(std::string_view name,
-                                                        std::uint64_t revision);
+                                                        std::uint64_t revision,
+                                                        const ExpectedRevision& expected);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
   [[nodiscard]] Result<void> store_sketch(const storage::MapInfo& info, const MapSketch& sketch);

@@ -54,6 +54,30 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
   return response;
 }
 
+/// Names what a change of the map is to start from. A description changes `updated` only.
+std::string entity_tag_of(const MapInfo& info) {
+  return "\"" + std::to_string(info.revision) + "-" + info.digest + "-" + info.updated + "\"";
+}
+
+/// Whether an If-Match header names the map as it is, by its tag or its digest.
+bool is_as_required(std::string_view if_match, const MapInfo& info) {
+  return requires_entity_tag(if_match, entity_tag_of(info)) ||
+         requires_entity_tag(if_match, "\"" + info.digest + "\"");
+}
+
+Response entry_response(const Request& request, int status, const MapInfo& info) {
+  Response response = document_response(request, status, api::render_map(entry_of(info)));
+  response.headers.emplace_back("ETag", entity_tag_of(info));
+  return response;
+}
+
+/// A change that was asked for with If-Match and came too late is 412 (RFC 9110, 13.1.1).
+Response change_error(const Request& request, const Error& error) {
+  const bool came_too_late = error.code == ErrorCode::kConflict && error.field == "revision";
+  if (!request.if_match || !came_too_late) return error_response(request, error);
+  return problem_response(412, "precondition_failed", error.message);
+}
+
 class MapRoutes {
  public:
   explicit MapRoutes(Services services) : services_(std::move(services)) {}
@@ -84,12 +108,13 @@ class MapRoutes {
     const auto parsed = api::parse_put_map(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed));
-    if (!created) return error_response(request, created.error());
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed), *expected);
+    if (!created) return change_error(request, created.error());
     const auto info = maps().find(name);
     if (!info) return error_response(request, info.error());
-    Response response =
-        document_response(request, *created ? 201 : 200, api::render_map(entry_of(*info)));
+    Response response = entry_response(request, *created ? 201 : 200, *info);
     if (*created) response.headers.emplace_back("Location", "/v1/maps/" + name);
     return response;
   }
@@ -97,14 +122,16 @@ class MapRoutes {
   Response get(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    return document_response(request, 200, api::render_map(entry_of(*info)));
+    return entry_response(request, 200, *info);
   }
 
   Response remove(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    const auto removed = maps().remove(info->name);
-    if (!removed) return error_response(request, removed.error());
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto removed = maps().remove(info->name, *expected);
+    if (!removed) return change_error(request, removed.error());
     services_.reports->forget(info->id);
     return Response{.status = 204};
   }
@@ -119,9 +146,12 @@ class MapRoutes {
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::MapScansRequest>(parsed);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
-    const auto report = batch.unposed_scans.empty() ? maps().grow(name, batch.scans)
-                                                    : maps().grow(name, batch.unposed_scans);
-    if (!report) return error_response(request, report.error());
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto report = batch.unposed_scans.empty()
+                            ? maps().grow(name, batch.scans, *expected)
+                            : maps().grow(name, batch.unposed_scans, *expected);
+    if (!report) return change_error(request, report.error());
     return document_response(request, 200,
                              api::render_map_batch({.accepted = report->accepted,
                                                     .duplicates = report->duplicates,
@@ -135,9 +165,12 @@ class MapRoutes {
     if (const auto info = maps().find(name); !info) return error_response(request, info.error());
     const auto parsed = api::parse_trajectory(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
-    const auto moved = maps().set_trajectory(name, std::get<api::TrajectoryRequest>(parsed).poses);
-    if (!moved) return error_response(request, moved.error());
-    return document_response(request, 200, api::render_map(entry_of(*moved)));
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto moved =
+        maps().set_trajectory(name, std::get<api::TrajectoryRequest>(parsed).poses, *expected);
+    if (!moved) return change_error(request, moved.error());
+    return entry_response(request, 200, *moved);
   }
 
   Response put_grid(const Request& request) {
@@ -153,13 +186,16 @@ class MapRoutes {
     }
     if (!wrong.empty()) return unusable_form(std::move(wrong));
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
     if (request.prefers_async) {
       return accept_job(services_, request, kImportJob,
                         {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
     }
-    const auto report = maps().put_floor_map(name, request.parts.at("yaml"),
-                                             std::as_bytes(std::span(request.parts.at("image"))));
-    if (!report) return error_response(request, report.error());
+    const auto report =
+        maps().put_floor_map(name, request.parts.at("yaml"),
+                             std::as_bytes(std::span(request.parts.at("image"))), {}, *expected);
+    if (!report) return change_error(request, report.error());
     Response response = document_response(request, report->created ? 201 : 200,
                                           api::render_floor_map(entry_of(*report)));
     if (report->created) response.headers.emplace_back("Location", "/v1/maps/" + name);
@@ -180,11 +216,13 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     if (!api::is_valid_name(name)) return invalid_map_name();
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
+    if (const auto expected = expected_revision(request); !expected)
+      return change_error(request, expected.error());
     const auto bytes = std::as_bytes(std::span(request.body));
     const auto info =
         maps().restore(name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     if (!info) return error_response(request, info.error());
-    Response response = document_response(request, 201, api::render_map(entry_of(*info)));
+    Response response = entry_response(request, 201, *info);
     response.headers.emplace_back("Location", "/v1/maps/" + name);
     return response;
   }
@@ -200,9 +238,12 @@ class MapRoutes {
     const auto parsed = api::parse_roll_back(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
-    const auto info = maps().roll_back(name, std::get<api::RollBackRequest>(parsed).revision);
-    if (!info) return error_response(request, info.error());
-    return document_response(request, 200, api::render_map(entry_of(*info)));
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto info =
+        maps().roll_back(name, std::get<api::RollBackRequest>(parsed).revision, *expected);
+    if (!info) return change_error(request, info.error());
+    return entry_response(request, 200, *info);
   }
 
   Response features(const Request& request) {
@@ -278,6 +319,20 @@ class MapRoutes {
     if (*count < services_.quotas.maps) return std::nullopt;
     return over_quota(services_, "too_many_maps",
                       "There are as many maps as there may be (max_maps): delete some.");
+  }
+
+  /// That of the map, where If-Match names it; any without the header.
+  Result<ExpectedRevision> expected_revision(const Request& request) {
+    if (!request.if_match) return ExpectedRevision{};
+    const auto info = maps().find(request.captures[0]);
+    if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
+    if (!info || !is_as_required(*request.if_match, *info)) {
+      return Error{ErrorCode::kConflict,
+                   "If-Match names neither the map's ETag " +
+                       (info ? entity_tag_of(*info) : "(there is no map)") + " nor its digest",
+                   "revision"};
+    }
+    return ExpectedRevision{info->revision};
   }
 
   template <typename Encode>

@@ -28,17 +28,21 @@ Result<MapVersion> MapLibrary::version(std::string_view name, std::uint64_t revi
   return MapVersion{.digest = found == kept->end() ? std::string() : found->digest};
 }
 
-Result<MapInfo> MapLibrary::roll_back(std::string_view name, std::uint64_t revision) {
-  return retrying([&] { return roll_back_once(name, revision); });
+Result<MapInfo> MapLibrary::roll_back(std::string_view name, std::uint64_t revision,
+                                      const ExpectedRevision& expected) {
+  return retrying([&] { return roll_back_once(name, revision, expected); });
 }
 
-Result<MapInfo> MapLibrary::roll_back_once(std::string_view name, std::uint64_t revision) {
+Result<MapInfo> MapLibrary::roll_back_once(std::string_view name, std::uint64_t revision,
+                                           const ExpectedRevision& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found || found->revision == revision) return found;
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
   const auto bytes =
       stores_->with_maps([&](MapStore& maps) { return maps.revision_archive(name, revision); });
   if (!bytes) return bytes.error();
