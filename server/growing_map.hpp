@@ -40,6 +40,11 @@ struct MapLibrary::GrowingMap {
   return api::mapper_params_from_json(info.parameters_json);
 }
 
+/// What the keyframes show; the drift of a run without poses is taken away first, with calls of
+/// `progress`.
+[[nodiscard]] Result<MapContent> content_of(const Mapper& mapper, const MapperParams& params,
+                                            bool drifts, const MapLibrary::Progress& progress);
+
 /// kConflict, `field` "revision", when the map is not at the expected one; 0: there is no map.
 [[nodiscard]] inline Result<void> check_revision(std::uint64_t revision,
                                                  const ExpectedRevision& expected) {

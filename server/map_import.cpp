@@ -117,11 +117,7 @@ Result<FloorMapReport> MapLibrary::make_from_floor_map(std::string_view name,
   auto info =
       stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
   if (!info) return info.error();
-  const auto kept = stores_->with_maps(
-      [&](MapStore& maps) { return maps.store_content(info->id, info->revision, made->content); });
-  if (!kept) return kept.error();
-  const MapSketch sketch = sketch_of(made->content.features, made->content.grid);
-  if (auto stored_too = store_sketch(*info, sketch); !stored_too) return stored_too.error();
+  if (auto kept = store_content(*info, made->content); !kept) return kept.error();
   return FloorMapReport{before.revision == 0, std::move(*info), std::move(made->warnings)};
 }
 

@@ -63,7 +63,8 @@ struct MapVersion {
 /// is on disk, and a call that fails has changed nothing. Other processes may change the same file.
 class MapLibrary {
  public:
-  using Progress = std::function<void(double)>;  ///< Called with the share done, in [0, 1].
+  /// Called with the share done, in [0, 1]; the work is given up when it returns false.
+  using Progress = std::function<bool(double)>;
 
   MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now);
   ~MapLibrary();
@@ -95,6 +96,17 @@ class MapLibrary {
                                              std::span<const RobotScan> scans,
                                              const ExpectedRevision& expected = {});
 
+  /// The same with a whole run, whose map is made and stored with it: nothing is left for load().
+  /// kUnavailable when `progress` gave up; then nothing has changed.
+  [[nodiscard]] Result<MapGrowthReport> add_run(std::string_view name,
+                                                std::span<const PosedScan> scans,
+                                                const WorkProgress& progress,
+                                                const ExpectedRevision& expected = {});
+  [[nodiscard]] Result<MapGrowthReport> add_run(std::string_view name,
+                                                std::span<const RobotScan> scans,
+                                                const WorkProgress& progress,
+                                                const ExpectedRevision& expected = {});
+
   /// Makes the map from a ROS occupancy map alone; a map made so before is made anew, in its frame
   /// and with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
   /// kUnavailable when `progress` gave up.
@@ -107,8 +119,10 @@ class MapLibrary {
   [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
   /// Makes a map of an archive, which anyone may have made: all of it is checked before anything is
   /// stored. kConflict when there is a map of that name.
+  /// kUnavailable when `progress` gave up.
   [[nodiscard]] Result<storage::MapInfo> restore(std::string_view name,
-                                                 std::span<const std::uint8_t> bytes);
+                                                 std::span<const std::uint8_t> bytes,
+                                                 const WorkProgress& progress = {});
 
   /// The present revision, then the former ones that are kept, newest first.
   [[nodiscard]] Result<std::vector<storage::MapRevision>> revisions(std::string_view name);
@@ -151,6 +165,7 @@ class MapLibrary {
 
  private:
   struct GrowingMap;
+  struct GrownMap;
 
   [[nodiscard]] std::shared_ptr<GrowingMap> growing(std::int64_t map_id);
   [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
@@ -159,6 +174,23 @@ class MapLibrary {
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
                                                   std::span<const Scan> scans,
                                                   const ExpectedRevision& expected);
+  template <typename Scan>
+  [[nodiscard]] Result<MapGrowthReport> add_run_once(std::string_view name,
+                                                     std::span<const Scan> scans,
+                                                     const WorkProgress& progress,
+                                                     const ExpectedRevision& expected);
+  /// With `progress` the run is over, and its content is stored with it.
+  template <typename Scan>
+  [[nodiscard]] Result<MapGrowthReport> grow_by(GrowingMap& growing, const storage::MapInfo& info,
+                                                std::span<const Scan> scans,
+                                                const ExpectedRevision& expected,
+                                                const WorkProgress& progress);
+  [[nodiscard]] Result<storage::MapInfo> store_growth(const GrownMap& grown,
+                                                      const storage::MapInfo& before, bool drifts);
+  [[nodiscard]] Result<storage::MapInfo> store_with_content(const GrownMap& grown,
+                                                            const storage::MapInfo& before,
+                                                            bool drifts,
+                                                            const WorkProgress& progress);
   [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request,
                                       const ExpectedRevision& expected);
   [[nodiscard]] Result<void> remove_once(std::string_view name, const ExpectedRevision& expected);
@@ -182,6 +214,8 @@ class MapLibrary {
                                                         const ExpectedRevision& expected);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
+  /// With its sketch.
+  [[nodiscard]] Result<void> store_content(const storage::MapInfo& info, const MapContent& content);
   [[nodiscard]] Result<void> store_sketch(const storage::MapInfo& info, const MapSketch& sketch);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);
   [[nodiscard]] Result<MapContent> content_of_key_frames(GrowingMap& growing,

@@ -17,6 +17,7 @@ namespace cornerfix::server {
 namespace {
 
 using api::Json;
+using storage::KnownMap;
 using storage::MapInfo;
 
 constexpr std::size_t kDefaultPage = 100;
@@ -140,24 +141,25 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     const auto info = maps().find(name);
     if (!info) return error_response(request, info.error());
-    const auto parsed =
-        api::parse_map_scans(request.body, request.body_format,
-                             api::lidar_from_json(info->lidar_json), services_.limits);
+    const bool is_run = request.preference.respond_async;
+    const auto parsed = api::parse_map_scans(
+        request.body, request.body_format, api::lidar_from_json(info->lidar_json),
+        is_run ? limits_of_runs(services_.limits) : services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::MapScansRequest>(parsed);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
     const auto expected = expected_revision(request);
     if (!expected) return change_error(request, expected.error());
+    if (is_run) {
+      return accept_change_job(
+          request, kMappingJob,
+          {{"run", request.body}, {"type", api::media_type(request.body_format)}});
+    }
     const auto report = batch.unposed_scans.empty()
                             ? maps().grow(name, batch.scans, *expected)
                             : maps().grow(name, batch.unposed_scans, *expected);
     if (!report) return change_error(request, report.error());
-    return document_response(request, 200,
-                             api::render_map_batch({.accepted = report->accepted,
-                                                    .duplicates = report->duplicates,
-                                                    .key_frames = report->key_frames,
-                                                    .features = report->features,
-                                                    .revision = report->revision}));
+    return document_response(request, 200, api::render_map_batch(entry_of(*report)));
   }
 
   Response put_trajectory(const Request& request) {
@@ -188,9 +190,10 @@ class MapRoutes {
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
     const auto expected = expected_revision(request);
     if (!expected) return change_error(request, expected.error());
-    if (request.prefers_async) {
-      return accept_job(services_, request, kImportJob,
-                        {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
+    if (request.preference.respond_async) {
+      return accept_change_job(
+          request, kImportJob,
+          {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
     }
     const auto report =
         maps().put_floor_map(name, request.parts.at("yaml"),
@@ -218,6 +221,8 @@ class MapRoutes {
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
     if (const auto expected = expected_revision(request); !expected)
       return change_error(request, expected.error());
+    if (request.preference.respond_async)
+      return accept_change_job(request, kRestoreJob, {{"archive", request.body}});
     const auto bytes = std::as_bytes(std::span(request.body));
     const auto info =
         maps().restore(name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
@@ -289,7 +294,7 @@ class MapRoutes {
   }
 
   Response report(const Request& request) {
-    if (request.prefers_async && may(request.principal.role, Access::kMap))
+    if (request.preference.respond_async && may(request.principal.role, Access::kMap))
       return accept_report_job(request);
     return when_report_is_made(
         request, [&](const MapInfo& info, const ReportView& view) -> Response {
@@ -346,11 +351,20 @@ class MapRoutes {
     return with_entity_tag(request, std::move(response), *info, content_type);
   }
 
+  /// Of a job that changes the map, or makes it.
+  Response accept_change_job(const Request& request, const char* kind, const JobInputView& input) {
+    const auto info = maps().find(request.captures[0]);
+    if (!info && info.error().code != ErrorCode::kNotFound)
+      return error_response(request, info.error());
+    return accept_job(services_, request, kind, input,
+                      KnownMap{info ? info->revision : 0, request.if_match.has_value()});
+  }
+
   Response accept_report_job(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
     if (!info->bounds) return error_response(request, map_without_grid());
-    return accept_job(services_, request, kReportJob, {});
+    return accept_job(services_, request, kReportJob, {}, std::nullopt);
   }
 
   template <typename Render>
@@ -400,7 +414,7 @@ void add_map_routes(Router& router, const Services& services) {
   add("PUT", "/v1/maps/{map}", Access::kMap, kOptionalDocument, &MapRoutes::put);
   add("GET", "/v1/maps/{map}", Access::kRead, kIgnored, &MapRoutes::get);
   add("DELETE", "/v1/maps/{map}", Access::kMap, kIgnored, &MapRoutes::remove);
-  add("POST", "/v1/maps/{map}/scans", Access::kMap, kDocument, &MapRoutes::post_scans);
+  add("POST", "/v1/maps/{map}/scans", Access::kMap, kRun, &MapRoutes::post_scans);
   add("PUT", "/v1/maps/{map}/trajectory", Access::kMap, kDocument, &MapRoutes::put_trajectory);
   add("PUT", "/v1/maps/{map}/grid", Access::kMap, kForm, &MapRoutes::put_grid);
   add("GET", "/v1/maps/{map}/revisions", Access::kRead, kIgnored, &MapRoutes::revisions);

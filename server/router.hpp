@@ -17,6 +17,7 @@ namespace cornerfix::server {
 enum class BodyRule {
   kIgnored,           ///< Read and dropped: none is needed.
   kDocument,          ///< JSON, CBOR or MessagePack.
+  kRun,               ///< The same, and as large as a form when it is to be a job.
   kOptionalDocument,  ///< The same, or none, which is an empty object.
   kArchive,           ///< Bytes of a map's archive.
   kForm,              ///< multipart/form-data, in Request::parts.
