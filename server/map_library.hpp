@@ -29,7 +29,7 @@ namespace cornerfix::server {
 using NowText = std::function<std::string()>;
 
 struct MapLibraryLimits {
-  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
+  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps, whoever holds them.
   std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
 };
 
@@ -158,6 +158,8 @@ class MapLibrary {
   [[nodiscard]] Result<MapSketch> make_sketch(const storage::MapInfo& info);
 
   [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
+  /// As MapCache::make_room().
+  bool make_room() { return cache_.make_room(); }
   /// What this revision needed in memory when it was last loaded; 0 when that is not known.
   [[nodiscard]] std::size_t known_bytes(const storage::MapInfo& info) {
     return cache_.known_bytes({info.id, info.revision});
