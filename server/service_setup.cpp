@@ -120,7 +120,6 @@ Result<Services> open_services(const ServerConfig& config, std::function<ServerL
       MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
       now_text);
   services.ranking = std::make_shared<MapRanking>(*stores, services.maps);
-  if (auto read = services.ranking->refresh(); !read) return read.error();
   services.reports = std::make_shared<ReportService>(services.maps);
   services.jobs = std::make_shared<JobService>(
       *stores, make_job_runners(services.maps, services.reports, config.request_limits),
