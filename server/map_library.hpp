@@ -117,6 +117,9 @@ class MapLibrary {
 
   /// The whole map as one SQLite file.
   [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
+  /// The same of a revision. kNotFound, `field` "revision", when it is not kept.
+  [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name,
+                                                          std::uint64_t revision);
   /// Makes a map of an archive, which anyone may have made: all of it is checked before anything is
   /// stored. kConflict when there is a map of that name.
   /// kUnavailable when `progress` gave up.

@@ -38,6 +38,20 @@ Response unusable_form(std::vector<api::FieldError> wrong) {
   return problem_response(problem);
 }
 
+std::optional<std::uint64_t> whole_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_number = error == std::errc{} && end == text.data() + text.size();
+  return is_number ? std::optional(number) : std::nullopt;
+}
+
+Response wrong_revision() {
+  api::Problem problem =
+      api::make_problem(ErrorCode::kInvalidArgument, "revision: must be a whole number");
+  problem.errors = {{"/revision", "must be a whole number"}};
+  return problem_response(problem);
+}
+
 Response no_such_feature(const std::string& id) {
   return problem_response(404, "not_found", "There is no feature " + id + " in this revision.");
 }
@@ -207,7 +221,12 @@ class MapRoutes {
 
   Response get_archive(const Request& request) {
     const std::string& name = request.captures[0];
-    const auto bytes = maps().archive(name);
+    std::optional<std::uint64_t> revision;
+    if (const auto text = request.parameter("revision")) {
+      revision = whole_number(*text);
+      if (!revision) return wrong_revision();
+    }
+    const auto bytes = revision ? maps().archive(name, *revision) : maps().archive(name);
     if (!bytes) return error_response(request, bytes.error());
     Response response{.content_type = kArchiveType, .body = {bytes->begin(), bytes->end()}};
     response.headers.emplace_back("Content-Disposition",
@@ -270,10 +289,9 @@ class MapRoutes {
     const auto map = maps().load(request.captures[0]);
     if (!map) return error_response(request, map.error());
     const std::string& id = request.captures[1];
-    std::size_t feature = 0;
-    const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), feature);
-    const bool is_number = error == std::errc{} && end == id.data() + id.size();
-    if (!is_number || feature >= (*map)->features().size()) return no_such_feature(id);
+    const auto number = whole_number(id);
+    if (!number || *number >= (*map)->features().size()) return no_such_feature(id);
+    const std::size_t feature = *number;
     const DescriptorParams& params = (*map)->descriptor_params();
     return document_response(
         request, 200,
@@ -419,7 +437,8 @@ void add_map_routes(Router& router, const Services& services) {
   add("PUT", "/v1/maps/{map}/grid", Access::kMap, kForm, &MapRoutes::put_grid);
   add("GET", "/v1/maps/{map}/revisions", Access::kRead, kIgnored, &MapRoutes::revisions);
   add("POST", "/v1/maps/{map}/rollback", Access::kMap, kDocument, &MapRoutes::roll_back);
-  add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive);
+  add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive,
+      {"revision"});
   add("POST", "/v1/maps/{map}/archive", Access::kMap, kArchive, &MapRoutes::post_archive);
   add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features, {"bbox"});
   add("GET", "/v1/maps/{map}/features/{id}/descriptor", Access::kRead, kIgnored,

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/growing_map.hpp"
 #include "server/map_library.hpp"
@@ -26,6 +27,14 @@ Result<MapVersion> MapLibrary::version(std::string_view name, std::uint64_t revi
   if (!kept) return kept.error();
   const auto found = std::ranges::find(*kept, revision, &MapRevision::revision);
   return MapVersion{.digest = found == kept->end() ? std::string() : found->digest};
+}
+
+Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name,
+                                                      std::uint64_t revision) {
+  const auto info = find(name);
+  if (!info) return info.error();
+  if (info->revision == revision) return archive(name);
+  return stores_->with_maps([&](MapStore& maps) { return maps.revision_archive(name, revision); });
 }
 
 Result<MapInfo> MapLibrary::roll_back(std::string_view name, std::uint64_t revision,
