@@ -11,7 +11,7 @@ namespace {
 using storage::JobRecord;
 using storage::JobStatus;
 
-api::JobEntry entry_of(const JobRecord& job) {
+api::JobEntry job_entry_of(const JobRecord& job) {
   return {.id = job.id,
           .kind = job.kind,
           .map = job.map,
@@ -39,7 +39,7 @@ class JobRoutes {
     const bool has_more = jobs->size() > page.limit;
     if (has_more) jobs->pop_back();
     std::vector<api::JobEntry> entries;
-    for (const JobRecord& job : *jobs) entries.push_back(entry_of(job));
+    for (const JobRecord& job : *jobs) entries.push_back(job_entry_of(job));
     const std::string next = has_more ? std::to_string(jobs->back().number) : "";
     return document_response(
         request, 200,
@@ -50,7 +50,7 @@ class JobRoutes {
   Response get(const Request& request) {
     const auto job = services_.jobs->find(request.captures[0]);
     if (!job) return error_response(request, job.error());
-    return document_response(request, 200, api::render_job(entry_of(*job)));
+    return document_response(request, 200, api::render_job(job_entry_of(*job)));
   }
 
   Response result(const Request& request) {
@@ -62,7 +62,7 @@ class JobRoutes {
   Response cancel(const Request& request) {
     const auto job = services_.jobs->cancel(request.captures[0]);
     if (!job) return error_response(request, job.error());
-    return document_response(request, 200, api::render_job(entry_of(*job)));
+    return document_response(request, 200, api::render_job(job_entry_of(*job)));
   }
 
  private:
@@ -70,7 +70,7 @@ class JobRoutes {
 };
 
 Response accepted_job(const Request& request, const JobRecord& job) {
-  Response response = document_response(request, 202, api::render_job(entry_of(job)));
+  Response response = document_response(request, 202, api::render_job(job_entry_of(job)));
   response.headers.emplace_back("Location", "/v1/jobs/" + job.id);
   response.headers.emplace_back("Preference-Applied", "respond-async");
   return response;

@@ -14,7 +14,7 @@
 namespace cornerfix::server {
 
 struct MapCacheUse {
-  std::size_t maps = 0;     ///< In memory, whoever holds them.
+  std::size_t maps = 0;     ///< In memory, those in use included.
   std::size_t bytes = 0;    ///< Of them.
   std::uint64_t loads = 0;  ///< Maps made ready since the start.
 };

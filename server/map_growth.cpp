@@ -180,7 +180,7 @@ Result<MapInfo> MapLibrary::store_growth(const GrownMap& grown, const MapInfo& b
 Result<MapInfo> MapLibrary::store_with_content(const GrownMap& grown, const MapInfo& before,
                                                bool drifts, const WorkProgress& progress) {
   const auto content =
-      content_of(grown.mapper, mapper_params(before), drifts, [&progress](double share) {
+      server::content_of(grown.mapper, mapper_params(before), drifts, [&progress](double share) {
         const double whole = kGrowthStoringBegins - kOptimizingBegins;
         return progress("trajectory", kOptimizingBegins + share * whole);
       });

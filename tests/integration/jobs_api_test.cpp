@@ -74,7 +74,7 @@ void leave_job_behind(const std::filesystem::path& database, const std::string& 
   ASSERT_TRUE(jobs.claim("dead", {}, "t1").value());
 }
 
-/// All scans of a drive, without poses.
+/// All scans of a run, without poses.
 Json unposed_run(const testing::RobotDrive& drive) {
   return {{"lidar", testing::lidar_json()},
           {"scans", testing::session_batch(drive, 0, drive.scans.size())["scans"]}};

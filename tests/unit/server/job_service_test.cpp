@@ -219,7 +219,9 @@ TEST_F(JobServiceTest, FailsAJobThatServersHaveBegunTooOften) {
 TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) {
   ASSERT_TRUE(process_.maps->put("office", {}));
   std::vector<std::uint64_t> revisions;
+  std::atomic<bool> are_both_there{false};
   const auto change = [&](const JobTask& task) -> Result<std::string> {
+    while (!are_both_there) std::this_thread::yield();
     revisions.push_back(task.map_revision);
     if (!process_.maps->put("office",
                             {{}, R"({"angle_min": )" + std::to_string(revisions.size()) + "}", {}}))
@@ -231,6 +233,7 @@ TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) 
     const auto service = serve(change);
     ASSERT_TRUE(service->submit("work", "office", {}, storage::KnownMap{1}));
     last = service->submit("work", "office", {}, storage::KnownMap{1}).value()->id;
+    are_both_there = true;
     ASSERT_TRUE(becomes(last, JobStatus::kSucceeded));
   }
   EXPECT_EQ(revisions, (std::vector<std::uint64_t>{1, 2}));

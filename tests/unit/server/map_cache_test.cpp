@@ -16,8 +16,9 @@ TEST(MapCache, FindsAMapWithoutRoomAsLongAsSomebodyHoldsIt) {
   cache.keep({2, 1}, make_map(1));
   EXPECT_EQ(cache.find({1, 1}), held);
   held.reset();
-  cache.make_room();
+  cache.keep({3, 1}, make_map(1));  // The newest stays.
   EXPECT_EQ(cache.find({1, 1}), nullptr);
+  EXPECT_EQ(cache.use().maps, 1U);
 }
 
 TEST(MapCache, CountsMapsThatOthersHoldAndReleasesThemLater) {
