@@ -128,6 +128,7 @@ Result<client::MapGrowth> build_into_file(const MapBuildArguments& arguments,
   // Stores the features and the grid as well.
   const auto ready = library.load(arguments.name, [&](double share) {
     if (optimizing) optimizing->update(share);
+    return true;
   });
   if (!ready) return ready.error();
   growth->features = (*ready)->features().size();

@@ -11,15 +11,15 @@ std::string_view opaque_part(std::string_view tag) {
   return tag;
 }
 
-/// Takes the next tag's opaque part from the front of a list; empty when there is none.
-std::string_view take_opaque_part(std::string_view& list) {
+/// Takes the next tag from the front of a list; empty when there is none.
+std::string_view take_tag(std::string_view& list) {
   list.remove_prefix(std::min(list.find_first_not_of(" \t,"), list.size()));
-  list = opaque_part(list);
-  if (!list.starts_with('"')) return {};
-  const auto end = list.find('"', 1);
+  const std::string_view opaque = opaque_part(list);
+  if (!opaque.starts_with('"')) return {};
+  const auto end = opaque.find('"', 1);
   if (end == std::string_view::npos) return {};
-  const std::string_view tag = list.substr(0, end + 1);
-  list.remove_prefix(end + 1);
+  const std::string_view tag = list.substr(0, list.size() - opaque.size() + end + 1);
+  list.remove_prefix(tag.size());
   return tag;
 }
 
@@ -34,9 +34,18 @@ bool is_any(std::string_view list) {
 bool names_entity_tag(std::string_view if_none_match, std::string_view tag) {
   if (is_any(if_none_match)) return true;
   for (;;) {
-    const std::string_view named = take_opaque_part(if_none_match);
+    const std::string_view named = take_tag(if_none_match);
     if (named.empty()) return false;
-    if (named == opaque_part(tag)) return true;
+    if (opaque_part(named) == opaque_part(tag)) return true;
+  }
+}
+
+bool requires_entity_tag(std::string_view if_match, std::string_view tag) {
+  if (is_any(if_match)) return true;
+  for (;;) {
+    const std::string_view named = take_tag(if_match);
+    if (named.empty()) return false;
+    if (named == tag) return true;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include <cornerfix/slam.hpp>
 
@@ -37,6 +38,23 @@ struct MapLibrary::GrowingMap {
 
 [[nodiscard]] inline MapperParams mapper_params(const storage::MapInfo& info) {
   return api::mapper_params_from_json(info.parameters_json);
+}
+
+/// What the keyframes show; the drift of a run without poses is taken away first, with calls of
+/// `progress`.
+[[nodiscard]] Result<MapContent> content_of(const Mapper& mapper, const MapperParams& params,
+                                            bool drifts, const MapLibrary::Progress& progress);
+
+/// kConflict, `field` "revision", when the map is not at the expected one; 0: there is no map.
+[[nodiscard]] inline Result<void> check_revision(std::uint64_t revision,
+                                                 const ExpectedRevision& expected) {
+  if (!expected || *expected == revision) return {};
+  const auto text = [](std::uint64_t number) {
+    return number == 0 ? std::string("no map") : "revision " + std::to_string(number);
+  };
+  return Error{ErrorCode::kConflict,
+               "the map was changed: there is " + text(revision) + ", expected " + text(*expected),
+               "revision"};
 }
 
 /// Whether another process came in between, so that trying again on its result makes sense.

@@ -15,6 +15,12 @@ Response ready(const Services& services, const Request& request) {
   return json_response(200, R"({"status":"ready"})");
 }
 
+/// Of a database that cannot be asked, the other metrics are wanted all the more.
+std::vector<storage::JobCount> job_counts(const Services& services) {
+  auto counts = services.jobs->counts();
+  return counts ? std::move(*counts) : std::vector<storage::JobCount>();
+}
+
 Response metrics(const Services& services) {
   return Response{
       .content_type = "text/plain; version=0.0.4; charset=utf-8",
@@ -23,7 +29,8 @@ Response metrics(const Services& services) {
                                         .ranking = services.ranking->use(),
                                         .load = services.load(),
                                         .process = process_usage(),
-                                        .database = database_usage(services.stores->location())})};
+                                        .database = database_usage(services.stores->location()),
+                                        .jobs = job_counts(services)})};
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ std::string_view title_of(int status) {
       return "Conflict";
     case 411:
       return "Length required";
+    case 412:
+      return "Precondition failed";
     case 413:
       return "Content too large";
     case 414:
@@ -85,9 +87,8 @@ Response json_response(int status, std::string json) {
 }
 
 Response problem_response(const api::Problem& problem) {
-  Response response{.status = problem.status,
-                    .content_type = "application/problem+json",
-                    .body = api::render(problem)};
+  Response response{
+      .status = problem.status, .content_type = kProblemType, .body = api::render(problem)};
   if (problem.status == 503) response.headers.emplace_back("Retry-After", "1");
   return response;
 }

@@ -15,6 +15,7 @@
 #include "api/problem.hpp"
 #include "api/requests.hpp"
 #include "server/access.hpp"
+#include "server/preference.hpp"
 
 namespace cornerfix::server {
 
@@ -32,7 +33,8 @@ struct Request {
   api::BodyFormat answer_format = api::BodyFormat::kJson;          ///< By Accept,
   api::AnswerProfile answer_profile = api::AnswerProfile::kPlain;  ///< as this.
   std::string if_none_match;
-  bool prefers_async = false;  ///< An answer at once, and the work as a job.
+  std::optional<std::string> if_match;
+  Preference preference{};
   Principal principal;
 
   /// The first value of a query parameter.
@@ -60,6 +62,8 @@ void add_common_headers(Response& response, const std::string& request_id);
 [[nodiscard]] std::string last_answer(const Response& response);
 
 using Handler = std::function<Response(const Request&)>;
+
+inline constexpr const char* kProblemType = "application/problem+json";
 
 [[nodiscard]] Response json_response(int status, std::string json);
 [[nodiscard]] Response problem_response(const api::Problem& problem);

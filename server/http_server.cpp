@@ -86,9 +86,11 @@ Caller caller_of(const httplib::Request& raw) {
   return caller;
 }
 
-bool asks_for_async(const httplib::Request& raw) {
+Preference preference_of(const httplib::Request& raw) {
+  Preference preference;
   const auto [first, last] = raw.headers.equal_range("Prefer");
-  return std::any_of(first, last, [](const auto& line) { return prefers_async(line.second); });
+  std::for_each(first, last, [&](const auto& line) { add_preference(preference, line.second); });
+  return preference;
 }
 
 Response uri_too_long() {
@@ -321,9 +323,13 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   request.answer_format = answer.body;
   request.answer_profile = answer.profile;
   request.if_none_match = raw.get_header_value("If-None-Match");
-  request.prefers_async = asks_for_async(raw);
+  if (raw.has_header("If-Match")) request.if_match = raw.get_header_value("If-Match");
+  request.preference = preference_of(raw);
   if (may_have_body(raw.method)) {
-    if (auto refusal = take_body(exchange, route->body, config.max_body_bytes)) return *refusal;
+    const bool may_be_long = route->body == BodyRule::kRun && request.preference.respond_async;
+    const std::size_t limit =
+        may_be_long ? std::max(kMaxRunBytes, config.max_body_bytes) : config.max_body_bytes;
+    if (auto refusal = take_body(exchange, route->body, limit)) return *refusal;
   }
   return route->handler(request);
 }

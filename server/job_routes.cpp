@@ -11,7 +11,7 @@ namespace {
 using storage::JobRecord;
 using storage::JobStatus;
 
-api::JobEntry entry_of(const JobRecord& job) {
+api::JobEntry job_entry_of(const JobRecord& job) {
   return {.id = job.id,
           .kind = job.kind,
           .map = job.map,
@@ -39,7 +39,7 @@ class JobRoutes {
     const bool has_more = jobs->size() > page.limit;
     if (has_more) jobs->pop_back();
     std::vector<api::JobEntry> entries;
-    for (const JobRecord& job : *jobs) entries.push_back(entry_of(job));
+    for (const JobRecord& job : *jobs) entries.push_back(job_entry_of(job));
     const std::string next = has_more ? std::to_string(jobs->back().number) : "";
     return document_response(
         request, 200,
@@ -50,7 +50,7 @@ class JobRoutes {
   Response get(const Request& request) {
     const auto job = services_.jobs->find(request.captures[0]);
     if (!job) return error_response(request, job.error());
-    return document_response(request, 200, api::render_job(entry_of(*job)));
+    return document_response(request, 200, api::render_job(job_entry_of(*job)));
   }
 
   Response result(const Request& request) {
@@ -62,33 +62,59 @@ class JobRoutes {
   Response cancel(const Request& request) {
     const auto job = services_.jobs->cancel(request.captures[0]);
     if (!job) return error_response(request, job.error());
-    return document_response(request, 200, api::render_job(entry_of(*job)));
+    return document_response(request, 200, api::render_job(job_entry_of(*job)));
   }
 
  private:
   Services services_;
 };
 
+Response accepted_job(const Request& request, const JobRecord& job) {
+  Response response = document_response(request, 202, api::render_job(job_entry_of(job)));
+  response.headers.emplace_back("Location", "/v1/jobs/" + job.id);
+  response.headers.emplace_back("Preference-Applied", "respond-async");
+  return response;
+}
+
+/// The answer that the request would have got without a job, if the job is finished by now.
+Response response_of_finished(const Services& services, const Request& request,
+                              const JobRecord& job, bool makes_a_map) {
+  if (job.status == JobStatus::kFailed) {
+    const auto problem = api::Json::parse(job.problem);
+    return {.status = problem.at("status").get<int>(),
+            .content_type = kProblemType,
+            .body = job.problem};
+  }
+  if (job.status != JobStatus::kSucceeded) return accepted_job(request, job);
+  const auto answer = services.jobs->answer(job.id);
+  if (!answer) return error_response(request, answer.error());
+  Response response = text_response(request, makes_a_map ? 201 : 200, *answer);
+  if (makes_a_map) response.headers.emplace_back("Location", "/v1/maps/" + job.map);
+  return response;
+}
+
 }  // namespace
 
 Response accept_job(const Services& services, const Request& request, const char* kind,
-                    const std::map<std::string, std::string_view>& input) {
+                    const JobInputView& input, const std::optional<storage::KnownMap>& known_map) {
   std::map<std::string, storage::BlobView> blobs;
   for (const auto& [name, content] : input) {
     blobs.emplace(name, storage::BlobView(reinterpret_cast<const std::uint8_t*>(content.data()),
                                           content.size()));
   }
-  const auto job = services.jobs->submit(kind, request.captures[0], blobs);
+  const auto job = services.jobs->submit(kind, request.captures[0], blobs, known_map);
   if (!job) return error_response(request, job.error());
   if (!*job) {
     return over_quota(services, "too_many_jobs",
                       "As many jobs wait as may wait (max_jobs), or their input has as many bytes "
                       "as it may have (max_job_bytes): try again later, or cancel some.");
   }
-  Response response = document_response(request, 202, api::render_job(entry_of(**job)));
-  response.headers.emplace_back("Location", "/v1/jobs/" + (*job)->id);
-  response.headers.emplace_back("Preference-Applied", "respond-async");
-  return response;
+  const auto wait = request.preference.wait;
+  if (!wait) return accepted_job(request, **job);
+  const auto waited = services.jobs->wait_for((*job)->id, *wait);
+  if (!waited) return error_response(request, waited.error());
+  const bool makes_a_map = known_map && known_map->revision == 0;
+  return response_of_finished(services, request, *waited, makes_a_map);
 }
 
 void add_job_routes(Router& router, const Services& services) {

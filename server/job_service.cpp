@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -62,12 +63,14 @@ void JobService::close() {
 
 Result<std::optional<JobRecord>> JobService::submit(
     std::string_view kind, std::string_view map,
-    const std::map<std::string, storage::BlobView>& input) {
+    const std::map<std::string, storage::BlobView>& input,
+    const std::optional<storage::KnownMap>& known_map) {
   const storage::NewJob job{.id = random_id(),
                             .kind = std::string(kind),
                             .map = std::string(map),
                             .created = settings_.now(),
-                            .input = input};
+                            .input = input,
+                            .known_map = known_map};
   auto inserted =
       stores_->with_jobs([&](JobStore& jobs) { return jobs.insert(job, settings_.limits); });
   if (!inserted || !inserted->has_value()) return inserted;
@@ -95,6 +98,38 @@ Result<JobRecord> JobService::cancel(std::string_view id) {
   must_renew_ = true;
   changed_.notify_all();
   return job;
+}
+
+Result<std::vector<storage::JobCount>> JobService::counts() {
+  return stores_->with_jobs([&](JobStore& jobs) { return jobs.counts(); });
+}
+
+Result<JobRecord> JobService::wait_for(std::string_view id, std::chrono::seconds wait) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiters_ >= kMaxWaiters) wait = std::chrono::seconds(0);
+    ++waiters_;
+  }
+  auto job = wait_until(id, Clock::now() + wait);
+  const std::lock_guard lock(mutex_);
+  --waiters_;
+  return job;
+}
+
+/// Another server may do the job: then each heartbeat is a look at it.
+Result<JobRecord> JobService::wait_until(std::string_view id, Clock::time_point deadline) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    const std::uint64_t ended = ended_;
+    const bool is_closing = closing_;
+    lock.unlock();
+    auto job = find(id);
+    lock.lock();
+    const Clock::time_point now = Clock::now();
+    if (!job || is_finished(job->status) || is_closing || now >= deadline) return job;
+    changed_.wait_until(lock, std::min(deadline, now + settings_.heartbeat),
+                        [&] { return closing_ || ended_ != ended; });
+  }
 }
 
 void JobService::work() {
@@ -158,6 +193,7 @@ void JobService::run(const JobRecord& job) {
   const auto answer = answer_of(job);
   end(job, answer);
   const std::lock_guard lock(mutex_);
+  ++ended_;
   current_.reset();
   changed_.notify_all();
 }
@@ -171,8 +207,12 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   if (job.attempts > kMaxAttempts) return too_many_attempts();
   auto input = stores_->with_jobs([&](JobStore& jobs) { return jobs.input(job.number); });
   if (!input) return input.error();
+  const auto revision = map_revision(job, *input);
+  if (!revision) return revision.error();
   try {
     return runner->second({.map = job.map,
+                           .map_revision = *revision,
+                           .attempts = job.attempts,
                            .input = std::move(*input),
                            .progress = [this](std::string_view stage, double share) {
                              return note_progress(stage, share);
@@ -180,6 +220,18 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   } catch (const std::exception& exception) {
     return Error{ErrorCode::kInternal, exception.what(), ""};
   }
+}
+
+Result<std::uint64_t> JobService::map_revision(const JobRecord& job,
+                                               const storage::JobInput& input) {
+  if (const auto known = storage::map_revision(input)) return *known;
+  const auto info = stores_->with_maps([&](storage::MapStore& maps) { return maps.find(job.map); });
+  if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
+  const std::uint64_t revision = info ? info->revision : 0;
+  const auto kept = stores_->with_jobs(
+      [&](JobStore& jobs) { return jobs.keep_map_revision(job.number, revision); });
+  if (!kept) return kept.error();
+  return revision;
 }
 
 bool JobService::note_progress(std::string_view stage, double share) {
@@ -226,6 +278,10 @@ void JobService::finish(const JobRecord& job, const JobOutcome& outcome) {
     return jobs.finish(job.number, holder_, outcome, settings_.now());
   });
   if (!finished || !*finished) return;
+  if (settings_.on_end) {
+    const std::chrono::duration<double> seconds = Clock::now() - last.began;
+    settings_.on_end(job.kind, outcome.status, seconds.count());
+  }
   log_event("job", {{"job", job.id},
                     {"kind", job.kind},
                     {"map", job.map},

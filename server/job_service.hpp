@@ -26,6 +26,8 @@ namespace cornerfix::server {
 /// What the work of a job gets.
 struct JobTask {
   std::string map;
+  std::uint64_t map_revision = 0;  ///< That may be changed; 0: there must be no such map.
+  std::uint64_t attempts = 1;      ///< Above 1: it may have been done before a server died.
   storage::JobInput input;
   WorkProgress progress;
 };
@@ -37,6 +39,8 @@ using JobRunners = std::map<std::string, JobRunner, std::less<>>;
 
 struct JobServiceSettings {
   NowText now;
+  /// Called when the work of a job ends here; may be empty.
+  std::function<void(std::string_view kind, storage::JobStatus status, double seconds)> on_end{};
   NowText expired_before{};  ///< Jobs that finished before this time are removed; may be empty.
   storage::JobLimits limits{};
   /// A running job whose heartbeat stands still for so long is taken over.
@@ -50,6 +54,7 @@ struct JobServiceSettings {
 class JobService {
  public:
   static constexpr std::uint64_t kMaxAttempts = 3;
+  static constexpr std::size_t kMaxWaiters = 4;  ///< Each holds a thread that answers requests.
 
   JobService(std::shared_ptr<StoreAccess> stores, JobRunners runners, JobServiceSettings settings);
   ~JobService();
@@ -59,11 +64,16 @@ class JobService {
   /// Stores a job. Nothing when too many wait, or too many bytes.
   [[nodiscard]] Result<std::optional<storage::JobRecord>> submit(
       std::string_view kind, std::string_view map,
-      const std::map<std::string, storage::BlobView>& input);
+      const std::map<std::string, storage::BlobView>& input,
+      const std::optional<storage::KnownMap>& known_map = {});
   [[nodiscard]] Result<storage::JobRecord> find(std::string_view id);
   [[nodiscard]] Result<std::vector<storage::JobRecord>> list(const storage::JobPage& page);
   [[nodiscard]] Result<std::string> answer(std::string_view id);
   [[nodiscard]] Result<storage::JobRecord> cancel(std::string_view id);
+  /// The job when it is finished, or after `wait` at most as it is then. When kMaxWaiters wait, at
+  /// once.
+  [[nodiscard]] Result<storage::JobRecord> wait_for(std::string_view id, std::chrono::seconds wait);
+  [[nodiscard]] Result<std::vector<storage::JobCount>> counts();
 
   /// No job is begun any more. The one in work is given up and goes back into the queue.
   void close();
@@ -74,6 +84,7 @@ class JobService {
   /// The job in work, under the mutex.
   struct Current {
     std::int64_t number = 0;
+    Clock::time_point began = Clock::now();
     std::string stage{};
     double progress = 0.0;
     storage::LeaseState lease = storage::LeaseState::kHeld;
@@ -95,6 +106,10 @@ class JobService {
   [[nodiscard]] bool note_progress(std::string_view stage, double share);
   void end(const storage::JobRecord& job, const Result<std::string>& answer);
   void finish(const storage::JobRecord& job, const storage::JobOutcome& outcome);
+  [[nodiscard]] Result<std::uint64_t> map_revision(const storage::JobRecord& job,
+                                                   const storage::JobInput& input);
+  [[nodiscard]] Result<storage::JobRecord> wait_until(std::string_view id,
+                                                      Clock::time_point deadline);
 
   std::shared_ptr<StoreAccess> stores_;
   const JobRunners runners_;
@@ -106,7 +121,9 @@ class JobService {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Current> current_;
-  bool has_news_ = false;    ///< A job was submitted here.
+  bool has_news_ = false;  ///< A job was submitted here.
+  std::size_t waiters_ = 0;
+  std::uint64_t ended_ = 0;  ///< Jobs that ended here.
   bool must_renew_ = false;  ///< A job was cancelled here: it may be the one in work.
   bool closing_ = false;
   std::thread keeper_;

@@ -186,6 +186,11 @@ void LiveSession::find_tracked(LocalizerState& state, const std::vector<std::int
   status = state.status;
 }
 
+void LiveSession::release_localizer() {
+  drop_localizer();
+  is_current = false;
+}
+
 void LiveSession::drop_localizer() {
   localizer.reset();
   is_ranked = false;

@@ -69,6 +69,7 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
   std::int64_t confirmed_map = 0;      ///< In which a confirmed pose is tracked, or 0.
   std::optional<double> search_begin;  ///< Stamp of the first scan of a search, while it lasts.
   bool is_answered = false;            ///< Since it was made or reset.
+  bool is_searching = false;           ///< A search goes on with the next scan.
   std::optional<RobotScan> last_scan;
   std::vector<Point2> feature_points;
   api::AnswerHistory history;
@@ -115,6 +116,13 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
   [[nodiscard]] const std::vector<std::int64_t>& held_map_ids() const {
     return is_ranked ? localizer->map_keys() : map_ids;
   }
+
+  /// Whether the store has all that is needed to go on without the localizer.
+  [[nodiscard]] bool can_release_localizer() const {
+    return localizer && is_current && !unstored_since;
+  }
+  /// Its maps are free then; the session is read from the store before its next use.
+  void release_localizer();
 
   void drop_localizer();
   /// To be called when `localizer` or `status` changed.

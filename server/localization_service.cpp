@@ -302,6 +302,7 @@ Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
   if (auto saved = save(session); !saved) return saved.error();
   session.history.add(batch.answer, request.sequence, session.record.last_used);
   session.status = batch.answer.status;
+  session.is_searching = batch.answer.reason == Reason::kSearching;
   session.count_bytes();
   session.search_begin = search_begin;
   session.is_answered = true;
@@ -311,6 +312,8 @@ Result<BatchOutcome> LocalizationService::take_batch(LiveSession& session,
     session.history.record({answer, last, session.feature_points}, settings_.recorded_answers);
   session.is_current = true;
   session.is_whole = true;
+  // Sessions hold the maps that they need, also until their next batch.
+  table_.release_localizers([this] { return maps_->make_room(); });
   if (settings_.on_batch) {
     settings_.on_batch({session.record.id, session.record.robot}, batch.events,
                        [&] { return session.view(); });

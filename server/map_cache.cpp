@@ -1,7 +1,7 @@
 #include "server/map_cache.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <tuple>
 
 namespace cornerfix::server {
 
@@ -11,31 +11,42 @@ LocalizationMapPtr MapCache::find(const Key& key) {
     entries_.splice(entries_.begin(), entries_, found);
     return entries_.front().map;
   }
-  const auto known = known_.find(key);
-  return known == known_.end() ? nullptr : known->second.lock();
+  return nullptr;
 }
 
 void MapCache::keep(const Key& key, const LocalizationMapPtr& map) {
   const std::lock_guard lock(mutex_);
-  entries_.remove_if([&](const Entry& old) { return old.key.first == key.first; });
+  // A pointer of the cache's alone cannot be copied by anybody else while the mutex is held.
+  std::erase_if(entries_, [&](const Entry& old) {
+    const bool is_outdated = old.key.first == key.first && old.map.use_count() == 1;
+    if (is_outdated) bytes_ -= old.bytes;
+    return is_outdated;
+  });
   entries_.push_front({key, map, map->bytes()});
+  bytes_ += entries_.front().bytes;
   sizes_[key.first] = {key.second, entries_.front().bytes};
   ++loads_;
-  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-  known_.insert_or_assign(key, map);
-  std::size_t bytes = 0;
-  for (auto entry = entries_.begin(); entry != entries_.end();) {
-    bytes += entry->bytes;
-    const bool is_first = entry == entries_.begin();
-    entry = bytes > max_bytes_ && !is_first ? entries_.erase(entry) : std::next(entry);
+  std::ignore = release_down_to(max_bytes_);
+}
+
+bool MapCache::make_room() {
+  const std::lock_guard lock(mutex_);
+  return bytes_ <= max_bytes_ || release_down_to(max_bytes_ - max_bytes_ / 10);
+}
+
+bool MapCache::release_down_to(std::size_t bytes) {
+  for (auto entry = entries_.end(); bytes_ > bytes && entry != entries_.begin();) {
+    --entry;
+    if (entry->map.use_count() > 1 || entry == entries_.begin()) continue;
+    bytes_ -= entry->bytes;
+    entry = entries_.erase(entry);
   }
+  return bytes_ <= bytes || entries_.size() <= 1;
 }
 
 MapCacheUse MapCache::use() {
   const std::lock_guard lock(mutex_);
-  MapCacheUse use{.maps = entries_.size(), .loads = loads_};
-  for (const Entry& entry : entries_) use.bytes += entry.bytes;
-  return use;
+  return {.maps = entries_.size(), .bytes = bytes_, .loads = loads_};
 }
 
 std::size_t MapCache::known_bytes(const Key& key) {

@@ -14,13 +14,13 @@
 namespace cornerfix::server {
 
 struct MapCacheUse {
-  std::size_t maps = 0;
-  std::size_t bytes = 0;
+  std::size_t maps = 0;     ///< In memory, those in use included.
+  std::size_t bytes = 0;    ///< Of them.
   std::uint64_t loads = 0;  ///< Maps made ready since the start.
 };
 
-/// One revision per map, those last asked for as far as they have room. A map without room is still
-/// found as long as somebody else holds it. Any threads may call.
+/// All maps in memory. Those that nobody else holds are released when there is no room, the ones
+/// not asked for longest first. Any threads may call.
 class MapCache {
  public:
   using Key = std::pair<std::int64_t, std::uint64_t>;  ///< Map id and revision.
@@ -29,8 +29,11 @@ class MapCache {
 
   /// Null when it is not there.
   [[nodiscard]] LocalizationMapPtr find(const Key& key);
-  /// In place of other revisions of the map. The newest stays, however large it is.
+  /// In place of other revisions of the map that nobody holds. The newest stays, however large.
   void keep(const Key& key, const LocalizationMapPtr& map);
+  /// Releases what nobody else holds until a tenth of the room is free, if there is none. Returns
+  /// whether the maps have room.
+  bool make_room();
   [[nodiscard]] MapCacheUse use();
   /// What the map needed when it was last kept; 0 when that is not known.
   [[nodiscard]] std::size_t known_bytes(const Key& key);
@@ -44,8 +47,11 @@ class MapCache {
 
   std::size_t max_bytes_;
   std::mutex mutex_;
-  std::list<Entry> entries_;                                   ///< Last used first.
-  std::map<Key, std::weak_ptr<const LocalizationMap>> known_;  ///< Also those without room.
+  /// With the mutex held; the first entry stays.
+  bool release_down_to(std::size_t bytes);
+
+  std::list<Entry> entries_;                                             ///< Last used first.
+  std::size_t bytes_ = 0;                                                ///< Of all entries.
   std::map<std::int64_t, std::pair<std::uint64_t, std::size_t>> sizes_;  ///< Revision and bytes.
   std::uint64_t loads_ = 0;
 };

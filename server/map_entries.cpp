@@ -44,6 +44,14 @@ api::FloorMapResult entry_of(const FloorMapReport& report) {
           .warnings = report.warnings};
 }
 
+api::MapBatchResult entry_of(const MapGrowthReport& report) {
+  return {.accepted = report.accepted,
+          .duplicates = report.duplicates,
+          .key_frames = report.key_frames,
+          .features = report.features,
+          .revision = report.revision};
+}
+
 Error map_without_grid() {
   return {ErrorCode::kNotFound,
           "The map has no grid yet: it has neither key frames nor a floor map.", "map"};

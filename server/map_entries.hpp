@@ -17,6 +17,8 @@ namespace cornerfix::server {
 /// Views of `report`, which must live longer.
 [[nodiscard]] api::FloorMapResult entry_of(const FloorMapReport& report);
 
+[[nodiscard]] api::MapBatchResult entry_of(const MapGrowthReport& report);
+
 /// For what needs the grid of a map that is empty.
 [[nodiscard]] Error map_without_grid();
 

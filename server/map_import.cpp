@@ -10,6 +10,7 @@
 #include "server/growing_map.hpp"
 #include "server/map_library.hpp"
 #include "server/map_outline.hpp"
+#include "storage/digest.hpp"
 
 namespace cornerfix::server {
 
@@ -32,6 +33,11 @@ constexpr double kStoringBegin = 0.90;
 Error at_form(Error error) {
   error.field = (error.code == ErrorCode::kInvalidArgument ? "/yaml/" : "/") + error.field;
   return error;
+}
+
+bool is_made_from(const MapInfo& info, const OccupancyGrid& floor_map) {
+  return info.has_floor_map &&
+         info.digest == storage::map_digest(info.parameters_json, storage::hash_of(floor_map));
 }
 
 Error import_given_up() {
@@ -59,7 +65,8 @@ GridMapProgress grid_map_progress(const WorkProgress& progress) {
 
 Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
                                                  std::span<const std::byte> image,
-                                                 const WorkProgress& progress) {
+                                                 const WorkProgress& progress,
+                                                 const ExpectedRevision& expected) {
   if (progress && !progress("reading", 0.0)) return import_given_up();
   if (yaml.size() > kMaxYamlBytes) {
     return Error{ErrorCode::kTooLarge,
@@ -69,7 +76,7 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
   }
   const auto floor_map = parse_map(yaml, image);
   if (!floor_map) return at_form(floor_map.error());
-  auto report = retrying([&] { return put_floor_map_once(name, *floor_map, progress); });
+  auto report = retrying([&] { return put_floor_map_once(name, *floor_map, progress, expected); });
   if (!report) return report;
   for (auto note : {thinning_note(yaml, *floor_map), threshold_advice(yaml, image),
                     unknown_advice(yaml, image)}) {
@@ -80,14 +87,20 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
 
 Result<FloorMapReport> MapLibrary::put_floor_map_once(std::string_view name,
                                                       const OccupancyGrid& floor_map,
-                                                      const WorkProgress& progress) {
+                                                      const WorkProgress& progress,
+                                                      const ExpectedRevision& expected) {
   auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
-  if (!found) return make_from_floor_map(name, floor_map, MapInfo{}, progress);
+  if (!found) {
+    if (const auto checked = check_revision(0, expected); !checked) return checked.error();
+    return make_from_floor_map(name, floor_map, MapInfo{}, progress);
+  }
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
+  const auto checked = check_revision(found->revision, expected);
+  if (!checked && !is_made_from(*found, floor_map)) return checked.error();
   return make_from_floor_map(name, floor_map, *found, progress);
 }
 
@@ -104,11 +117,7 @@ Result<FloorMapReport> MapLibrary::make_from_floor_map(std::string_view name,
   auto info =
       stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
   if (!info) return info.error();
-  const auto kept = stores_->with_maps(
-      [&](MapStore& maps) { return maps.store_content(info->id, info->revision, made->content); });
-  if (!kept) return kept.error();
-  const MapSketch sketch = sketch_of(made->content.features, made->content.grid);
-  if (auto stored_too = store_sketch(*info, sketch); !stored_too) return stored_too.error();
+  if (auto kept = store_content(*info, made->content); !kept) return kept.error();
   return FloorMapReport{before.revision == 0, std::move(*info), std::move(made->warnings)};
 }
 

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <type_traits>
 
 #include <cornerfix/mapper.hpp>
 
 #include "server/growing_map.hpp"
 #include "server/map_outline.hpp"
-#include "server/mapping_batch.hpp"
 #include "server/trajectory_poses.hpp"
 
 namespace cornerfix::server {
@@ -24,13 +22,15 @@ bool is_scan_of(const LaserScan& scan, const api::Lidar& lidar) {
          scan.range_min == lidar.range_min && scan.range_max == lidar.range_max;
 }
 
-Error at_scan(Error error, std::ptrdiff_t index) {
-  error.field = "/scans/" + std::to_string(index);
-  return error;
-}
-
 Error bad_archive(std::string message) {
   return {ErrorCode::kInvalidArgument, std::move(message), "/archive"};
+}
+
+/// As a share of the work.
+constexpr double kRestoreStoringBegins = 0.5;
+
+Error restore_given_up() {
+  return {ErrorCode::kUnavailable, "the restoring of the archive was given up", ""};
 }
 
 std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
@@ -45,17 +45,6 @@ std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
 /// change the map.
 Error too_large_now(const Error& error) { return {ErrorCode::kConflict, error.message, ""}; }
 
-/// What the keyframes of a run show once its drift has been taken away.
-Result<MapContent> build_without_drift(const Mapper& drifting, const MapperParams& params,
-                                       const MapLibrary::Progress& progress) {
-  const auto optimized = optimize_trajectory(drifting.key_frames(), progress);
-  if (!optimized) return optimized.error();
-  const auto mapper =
-      mapper_of(moved_to(optimized->T_map_base_link, drifting.key_frames()), params);
-  if (!mapper) return too_large_now(mapper.error());
-  return mapper->build();
-}
-
 Error another_map(const std::string& name) {
   return {ErrorCode::kNotFound, "the map " + name + " was changed or replaced", ""};
 }
@@ -65,27 +54,17 @@ Error no_key_frames() {
           "the map was made from a floor map: it has no key frames that could move", "/map"};
 }
 
-/// Those that the map does not hold yet.
-template <typename Scan>
-Result<std::vector<const Scan*>> fresh_scans(StoreAccess& stores, std::int64_t map,
-                                             std::span<const Scan> scans) {
-  std::vector<double> stamps;
-  for (const Scan& scan : scans) stamps.push_back(scan.scan.stamp);
-  const auto known =
-      stores.with_maps([&](MapStore& maps) { return maps.known_stamps(map, stamps); });
-  if (!known) return known.error();
-  return new_scans(scans, *known);
-}
-
-/// The odometry that goes on where the keyframes end.
-LidarOdometry continued(std::optional<LidarOdometry>& odometry, const Mapper& mapper) {
-  if (odometry) return std::move(*odometry);
-  LidarOdometry resumed;
-  resumed.resume(mapper.key_frames());
-  return resumed;
-}
-
 }  // namespace
+
+Result<MapContent> content_of(const Mapper& mapper, const MapperParams& params, bool drifts,
+                              const MapLibrary::Progress& progress) {
+  if (!drifts) return mapper.build();
+  const auto optimized = optimize_trajectory(mapper.key_frames(), progress);
+  if (!optimized) return optimized.error();
+  const auto moved = mapper_of(moved_to(optimized->T_map_base_link, mapper.key_frames()), params);
+  if (!moved) return too_large_now(moved.error());
+  return moved->build();
+}
 
 MapLibrary::MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now)
     : stores_(std::move(stores)),
@@ -107,19 +86,30 @@ Result<std::size_t> MapLibrary::count() {
   return stores_->with_maps([](MapStore& maps) { return maps.count(); });
 }
 
-Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request) {
-  return retrying([&] { return put_once(name, request); });
+Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request,
+                             const ExpectedRevision& expected) {
+  return retrying([&] { return put_once(name, request, expected); });
 }
 
-Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request) {
-  if (!request.parameters_json) return store_entry(name, request);
+Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request,
+                                  const ExpectedRevision& expected) {
+  if (!request.parameters_json && !expected) return store_entry(name, request);
   auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
-  if (!found) return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+  if (!found) {
+    if (const auto checked = check_revision(0, expected); !checked) return checked.error();
+    return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+  }
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
+  if (!request.parameters_json) {
+    return store_entry(name, request,
+                       storage::MapRemake{found->revision, {found->feature_count, found->bounds}});
+  }
   const auto merged = api::merged_parameters(found->parameters_json, *request.parameters_json);
   if (!merged) return merged.error();
   MapInfo remade = *found;
@@ -156,8 +146,17 @@ Result<storage::MapOutline> MapLibrary::outline_with(const MapInfo& info) {
   return outline_of(*mapper);
 }
 
-Result<void> MapLibrary::remove(std::string_view name) {
-  return stores_->with_maps([&](MapStore& maps) { return maps.remove(name); });
+Result<void> MapLibrary::remove(std::string_view name, const ExpectedRevision& expected) {
+  return retrying([&] { return remove_once(name, expected); });
+}
+
+Result<void> MapLibrary::remove_once(std::string_view name, const ExpectedRevision& expected) {
+  if (expected) {
+    const auto found = find(name);
+    if (!found) return found.error();
+    if (auto checked = check_revision(found->revision, expected); !checked) return checked;
+  }
+  return stores_->with_maps([&](MapStore& maps) { return maps.remove(name, expected); });
 }
 
 Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
@@ -174,92 +173,23 @@ Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
   return lidar;
 }
 
-Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans) {
-  return retrying([&] { return grow_once(name, scans); });
-}
-
-Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans) {
-  return retrying([&] { return grow_once(name, scans); });
-}
-
-template <typename Scan>
-Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<const Scan> scans) {
-  constexpr bool kHavePoses = std::is_same_v<Scan, PosedScan>;
-  auto found = find(name);
-  if (!found) return found.error();
-  const auto growing = this->growing(found->id);
-  const std::lock_guard lock(growing->mutex);
-  found = find(name);  // The batch before this one may just have changed it.
-  if (!found) return found.error();
-  if (auto error = mixed(*found, kHavePoses)) return *error;
-  if (auto rebuilt = rebuild(*growing, *found); !rebuilt) return rebuilt.error();
-
-  const auto selected = fresh_scans(*stores_, found->id, scans);
-  if (!selected) return selected.error();
-  const std::vector<const Scan*>& fresh = *selected;
-  MapGrowthReport report{.accepted = fresh.size(),
-                         .duplicates = scans.size() - fresh.size(),
-                         .key_frames = found->key_frame_count,
-                         .features = found->feature_count,
-                         .revision = found->revision};
-  if (fresh.empty()) return report;
-
-  // From here on what is in memory is ahead of the store, until the store has the growth too.
-  Mapper mapper = std::move(*growing->mapper);
-  LidarOdometry odometry;
-  if constexpr (!kHavePoses) {
-    if (auto error = too_late(fresh, scans, mapper)) {
-      growing->mapper = std::move(mapper);
-      return *error;
-    }
-    odometry = continued(growing->odometry, mapper);
-  }
-  SeenArea seen = growing->seen;
-  const MapperParams params = mapper_params(*found);
-  growing->forget();
-  std::vector<double> new_stamps;
-  std::vector<PosedScan> new_key_frames;
-  for (const Scan* scan : fresh) {
-    new_stamps.push_back(scan->scan.stamp);
-    PosedScan posed = posed_by(odometry, *scan);
-    if (!mapper.is_key_frame(posed)) continue;
-    if (auto error = mapper.reject(posed)) return at_scan(*error, scan - scans.data());
-    mapper.add(posed);
-    seen.add(posed, params);
-    if (auto error = seen.reject(mapper.bounds(), params))
-      return at_scan(*error, scan - scans.data());
-    new_key_frames.push_back(std::move(posed));
-  }
-  const storage::MapGrowth growth{.stamps = new_stamps,
-                                  .new_key_frames = new_key_frames,
-                                  .outline = outline_of(mapper),
-                                  .drifts = !kHavePoses};
-  const auto grown = stores_->with_maps(
-      [&](MapStore& maps) { return maps.grow(found->id, found->revision, growth, now_()); });
-  if (!grown) return grown.error();
-  growing->mapper = std::move(mapper);
-  growing->seen = seen;
-  if constexpr (!kHavePoses) growing->odometry = std::move(odometry);
-  growing->revision = grown->revision;
-  report.key_frames = grown->key_frame_count;
-  report.features = grown->feature_count;
-  report.revision = grown->revision;
-  return report;
-}
-
 Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
-                                           std::span<const api::StampedPose> poses) {
-  return retrying([&] { return set_trajectory_once(name, poses); });
+                                           std::span<const api::StampedPose> poses,
+                                           const ExpectedRevision& expected) {
+  return retrying([&] { return set_trajectory_once(name, poses, expected); });
 }
 
 Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
-                                                std::span<const api::StampedPose> poses) {
+                                                std::span<const api::StampedPose> poses,
+                                                const ExpectedRevision& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
   if (found->has_floor_map) return no_key_frames();
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(found->id); });
   if (!key_frames) return key_frames.error();
@@ -281,13 +211,16 @@ Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name) {
   return storage::encode_archive(*archive);
 }
 
-Result<MapInfo> MapLibrary::restore(std::string_view name, std::span<const std::uint8_t> bytes) {
+Result<MapInfo> MapLibrary::restore(std::string_view name, std::span<const std::uint8_t> bytes,
+                                    const WorkProgress& progress) {
+  if (progress && !progress("reading", 0.0)) return restore_given_up();
   const auto archive = storage::decode_archive(bytes);
   if (!archive) return at_part(archive.error());
   if (!api::is_put_map_request(archive->description, archive->lidar_json, archive->parameters_json))
     return bad_archive("its description, lidar or parameters are not as a server writes them");
   const auto outline = outline_of(*archive);
   if (!outline) return bad_archive(outline.error().message);
+  if (progress && !progress("storing", kRestoreStoringBegins)) return restore_given_up();
   return stores_->with_maps(
       [&](MapStore& maps) { return maps.restore(name, *archive, *outline, now_()); });
 }
@@ -333,13 +266,15 @@ Result<MapContent> MapLibrary::content_of(GrowingMap& growing, const MapInfo& in
   auto made = info.has_floor_map ? content_of_floor_map(info)
                                  : content_of_key_frames(growing, info, progress);
   if (!made) return made;
-  MapContent& content = *made;
-  const auto kept = stores_->with_maps(
-      [&](MapStore& maps) { return maps.store_content(info.id, info.revision, content); });
-  if (!kept) return kept.error();
-  if (auto stored_too = store_sketch(info, sketch_of(content.features, content.grid)); !stored_too)
-    return stored_too.error();
+  if (auto kept = store_content(info, *made); !kept) return kept.error();
   return made;
+}
+
+Result<void> MapLibrary::store_content(const MapInfo& info, const MapContent& content) {
+  auto stored = stores_->with_maps(
+      [&](MapStore& maps) { return maps.store_content(info.id, info.revision, content); });
+  if (!stored) return stored;
+  return store_sketch(info, sketch_of(content.features, content.grid));
 }
 
 Result<MapSketch> MapLibrary::make_sketch(const MapInfo& info) {
@@ -373,8 +308,7 @@ Result<MapContent> MapLibrary::content_of_key_frames(GrowingMap& growing, const 
                                                      const Progress& progress) {
   const bool was_growing = growing.mapper.has_value();
   if (auto rebuilt = rebuild(growing, info); !rebuilt) return rebuilt.error();
-  auto built = info.drifts ? build_without_drift(*growing.mapper, mapper_params(info), progress)
-                           : Result<MapContent>(growing.mapper->build());
+  auto built = server::content_of(*growing.mapper, mapper_params(info), info.drifts, progress);
   if (!was_growing) growing.forget();  // Its keyframes are needed for growing only.
   return built;
 }

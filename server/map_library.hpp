@@ -29,7 +29,7 @@ namespace cornerfix::server {
 using NowText = std::function<std::string()>;
 
 struct MapLibraryLimits {
-  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
+  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps, those in use too.
   std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
 };
 
@@ -49,6 +49,10 @@ struct FloorMapReport {
   std::vector<std::string> warnings;  ///< What the occupancy map's owner should know.
 };
 
+/// Of the map that a caller wants to change, 0 for none; nothing: any. Where the map is not at that
+/// revision the change is kConflict, `field` "revision", unless it has been made already.
+using ExpectedRevision = std::optional<std::uint64_t>;
+
 /// What is known of a revision.
 struct MapVersion {
   std::string digest;  ///< Empty when the revision is not kept.
@@ -59,7 +63,8 @@ struct MapVersion {
 /// is on disk, and a call that fails has changed nothing. Other processes may change the same file.
 class MapLibrary {
  public:
-  using Progress = std::function<void(double)>;  ///< Called with the share done, in [0, 1].
+  /// Called with the share done, in [0, 1]; the work is given up when it returns false.
+  using Progress = std::function<bool(double)>;
 
   MapLibrary(std::shared_ptr<StoreAccess> stores, MapLibraryLimits limits, NowText now);
   ~MapLibrary();
@@ -71,8 +76,9 @@ class MapLibrary {
   [[nodiscard]] Result<std::size_t> count();
   /// True when the map was created. Parameters join those that the map has; kInvalidArgument when
   /// its grid would become too large with them.
-  [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request);
-  [[nodiscard]] Result<void> remove(std::string_view name);
+  [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request,
+                                 const ExpectedRevision& expected = {});
+  [[nodiscard]] Result<void> remove(std::string_view name, const ExpectedRevision& expected = {});
 
   /// The map's lidar for simulated scans; without `beams` of its own it has as many as the map's
   /// first scan of it. Nothing when the map was not given any.
@@ -80,27 +86,46 @@ class MapLibrary {
 
   /// kConflict when the map was made from scans without poses.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
-                                             std::span<const PosedScan> scans);
+                                             std::span<const PosedScan> scans,
+                                             const ExpectedRevision& expected = {});
   /// Scans of a run without poses, in its order: lidar odometry gives them, and load() takes
   /// their drift away. After a restart the run goes on at its last keyframe. kConflict when the
   /// map was made from scans at poses; kInvalidArgument when a new scan is not later than the
   /// keyframes.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
-                                             std::span<const RobotScan> scans);
+                                             std::span<const RobotScan> scans,
+                                             const ExpectedRevision& expected = {});
+
+  /// The same with a whole run, whose map is made and stored with it: nothing is left for load().
+  /// kUnavailable when `progress` gave up; then nothing has changed.
+  [[nodiscard]] Result<MapGrowthReport> add_run(std::string_view name,
+                                                std::span<const PosedScan> scans,
+                                                const WorkProgress& progress,
+                                                const ExpectedRevision& expected = {});
+  [[nodiscard]] Result<MapGrowthReport> add_run(std::string_view name,
+                                                std::span<const RobotScan> scans,
+                                                const WorkProgress& progress,
+                                                const ExpectedRevision& expected = {});
 
   /// Makes the map from a ROS occupancy map alone; a map made so before is made anew, in its frame
   /// and with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
   /// kUnavailable when `progress` gave up.
   [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
                                                      std::span<const std::byte> image,
-                                                     const WorkProgress& progress = {});
+                                                     const WorkProgress& progress = {},
+                                                     const ExpectedRevision& expected = {});
 
   /// The whole map as one SQLite file.
   [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
+  /// The same of a revision. kNotFound, `field` "revision", when it is not kept.
+  [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name,
+                                                          std::uint64_t revision);
   /// Makes a map of an archive, which anyone may have made: all of it is checked before anything is
   /// stored. kConflict when there is a map of that name.
+  /// kUnavailable when `progress` gave up.
   [[nodiscard]] Result<storage::MapInfo> restore(std::string_view name,
-                                                 std::span<const std::uint8_t> bytes);
+                                                 std::span<const std::uint8_t> bytes,
+                                                 const WorkProgress& progress = {});
 
   /// The present revision, then the former ones that are kept, newest first.
   [[nodiscard]] Result<std::vector<storage::MapRevision>> revisions(std::string_view name);
@@ -108,7 +133,8 @@ class MapLibrary {
   [[nodiscard]] Result<MapVersion> version(std::string_view name, std::uint64_t revision);
   /// The content, lidar and parameters of a kept revision become those of a new one; the present
   /// revision stays as it is. kNotFound, `field` "revision", when it is not kept.
-  [[nodiscard]] Result<storage::MapInfo> roll_back(std::string_view name, std::uint64_t revision);
+  [[nodiscard]] Result<storage::MapInfo> roll_back(std::string_view name, std::uint64_t revision,
+                                                   const ExpectedRevision& expected = {});
 
   /// The map's grid as it is to be shown: the occupancy map as it was put, or what scans made.
   /// Empty when the map has neither.
@@ -118,7 +144,8 @@ class MapLibrary {
   /// the stamps that are missing, when some have none, and when the map would spread beyond what
   /// its grid can hold.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
-                                                        std::span<const api::StampedPose> poses);
+                                                        std::span<const api::StampedPose> poses,
+                                                        const ExpectedRevision& expected = {});
 
   /// The newest revision of a map, from memory, from the store, or made again and then stored. The
   /// trajectory of a map that drifts is then optimised, with calls of `progress`.
@@ -134,6 +161,8 @@ class MapLibrary {
   [[nodiscard]] Result<MapSketch> make_sketch(const storage::MapInfo& info);
 
   [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
+  /// As MapCache::make_room().
+  bool make_room() { return cache_.make_room(); }
   /// What this revision needed in memory when it was last loaded; 0 when that is not known.
   [[nodiscard]] std::size_t known_bytes(const storage::MapInfo& info) {
     return cache_.known_bytes({info.id, info.revision});
@@ -141,17 +170,39 @@ class MapLibrary {
 
  private:
   struct GrowingMap;
+  struct GrownMap;
 
   [[nodiscard]] std::shared_ptr<GrowingMap> growing(std::int64_t map_id);
   [[nodiscard]] Result<void> rebuild(GrowingMap& growing, const storage::MapInfo& info);
   /// Either kind of scans.
   template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
-                                                  std::span<const Scan> scans);
-  [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request);
+                                                  std::span<const Scan> scans,
+                                                  const ExpectedRevision& expected);
+  template <typename Scan>
+  [[nodiscard]] Result<MapGrowthReport> add_run_once(std::string_view name,
+                                                     std::span<const Scan> scans,
+                                                     const WorkProgress& progress,
+                                                     const ExpectedRevision& expected);
+  /// With `progress` the run is over, and its content is stored with it.
+  template <typename Scan>
+  [[nodiscard]] Result<MapGrowthReport> grow_by(GrowingMap& growing, const storage::MapInfo& info,
+                                                std::span<const Scan> scans,
+                                                const ExpectedRevision& expected,
+                                                const WorkProgress& progress);
+  [[nodiscard]] Result<storage::MapInfo> store_growth(const GrownMap& grown,
+                                                      const storage::MapInfo& before, bool drifts);
+  [[nodiscard]] Result<storage::MapInfo> store_with_content(const GrownMap& grown,
+                                                            const storage::MapInfo& before,
+                                                            bool drifts,
+                                                            const WorkProgress& progress);
+  [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request,
+                                      const ExpectedRevision& expected);
+  [[nodiscard]] Result<void> remove_once(std::string_view name, const ExpectedRevision& expected);
   [[nodiscard]] Result<FloorMapReport> put_floor_map_once(std::string_view name,
                                                           const OccupancyGrid& floor_map,
-                                                          const WorkProgress& progress);
+                                                          const WorkProgress& progress,
+                                                          const ExpectedRevision& expected);
   /// \param before  The entry as it is; revision 0 when there is none.
   [[nodiscard]] Result<FloorMapReport> make_from_floor_map(std::string_view name,
                                                            const OccupancyGrid& floor_map,
@@ -161,11 +212,15 @@ class MapLibrary {
                                          const std::optional<storage::MapRemake>& remake = {});
   [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);
   [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
-      std::string_view name, std::span<const api::StampedPose> poses);
+      std::string_view name, std::span<const api::StampedPose> poses,
+      const ExpectedRevision& expected);
   [[nodiscard]] Result<storage::MapInfo> roll_back_once(std::string_view name,
-                                                        std::uint64_t revision);
+                                                        std::uint64_t revision,
+                                                        const ExpectedRevision& expected);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
+  /// With its sketch.
+  [[nodiscard]] Result<void> store_content(const storage::MapInfo& info, const MapContent& content);
   [[nodiscard]] Result<void> store_sketch(const storage::MapInfo& info, const MapSketch& sketch);
   [[nodiscard]] Result<MapContent> content_of_floor_map(const storage::MapInfo& info);
   [[nodiscard]] Result<MapContent> content_of_key_frames(GrowingMap& growing,

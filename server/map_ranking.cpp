@@ -224,7 +224,8 @@ std::optional<MapRanking::Entry> MapRanking::entry(MapKey key) const {
 
 void MapRanking::work() {
   setpriority(PRIO_PROCESS, 0, kSketchingNiceness);  // On Linux: of this thread.
-  for (bool has_more = false;;) {
+  // The first look is due at once: robots that may be in any map wait for it.
+  for (bool has_more = true;;) {
     std::unique_lock lock(worker_mutex_);
     const std::chrono::milliseconds pause = has_more ? std::chrono::milliseconds(0) : kPollInterval;
     if (closing_changed_.wait_for(lock, pause, [&] { return is_closing_; })) return;

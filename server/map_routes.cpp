@@ -17,6 +17,7 @@ namespace cornerfix::server {
 namespace {
 
 using api::Json;
+using storage::KnownMap;
 using storage::MapInfo;
 
 constexpr std::size_t kDefaultPage = 100;
@@ -37,6 +38,20 @@ Response unusable_form(std::vector<api::FieldError> wrong) {
   return problem_response(problem);
 }
 
+std::optional<std::uint64_t> whole_number(const std::string& text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_number = error == std::errc{} && end == text.data() + text.size();
+  return is_number ? std::optional(number) : std::nullopt;
+}
+
+Response wrong_revision() {
+  api::Problem problem =
+      api::make_problem(ErrorCode::kInvalidArgument, "revision: must be a whole number");
+  problem.errors = {{"/revision", "must be a whole number"}};
+  return problem_response(problem);
+}
+
 Response no_such_feature(const std::string& id) {
   return problem_response(404, "not_found", "There is no feature " + id + " in this revision.");
 }
@@ -52,6 +67,30 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
     response.body.clear();
   }
   return response;
+}
+
+/// Names what a change of the map is to start from. A description changes `updated` only.
+std::string entity_tag_of(const MapInfo& info) {
+  return "\"" + std::to_string(info.revision) + "-" + info.digest + "-" + info.updated + "\"";
+}
+
+/// Whether an If-Match header names the map as it is, by its tag or its digest.
+bool is_as_required(std::string_view if_match, const MapInfo& info) {
+  return requires_entity_tag(if_match, entity_tag_of(info)) ||
+         requires_entity_tag(if_match, "\"" + info.digest + "\"");
+}
+
+Response entry_response(const Request& request, int status, const MapInfo& info) {
+  Response response = document_response(request, status, api::render_map(entry_of(info)));
+  response.headers.emplace_back("ETag", entity_tag_of(info));
+  return response;
+}
+
+/// A change that was asked for with If-Match and came too late is 412 (RFC 9110, 13.1.1).
+Response change_error(const Request& request, const Error& error) {
+  const bool came_too_late = error.code == ErrorCode::kConflict && error.field == "revision";
+  if (!request.if_match || !came_too_late) return error_response(request, error);
+  return problem_response(412, "precondition_failed", error.message);
 }
 
 class MapRoutes {
@@ -84,12 +123,13 @@ class MapRoutes {
     const auto parsed = api::parse_put_map(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed));
-    if (!created) return error_response(request, created.error());
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed), *expected);
+    if (!created) return change_error(request, created.error());
     const auto info = maps().find(name);
     if (!info) return error_response(request, info.error());
-    Response response =
-        document_response(request, *created ? 201 : 200, api::render_map(entry_of(*info)));
+    Response response = entry_response(request, *created ? 201 : 200, *info);
     if (*created) response.headers.emplace_back("Location", "/v1/maps/" + name);
     return response;
   }
@@ -97,14 +137,16 @@ class MapRoutes {
   Response get(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    return document_response(request, 200, api::render_map(entry_of(*info)));
+    return entry_response(request, 200, *info);
   }
 
   Response remove(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    const auto removed = maps().remove(info->name);
-    if (!removed) return error_response(request, removed.error());
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto removed = maps().remove(info->name, *expected);
+    if (!removed) return change_error(request, removed.error());
     services_.reports->forget(info->id);
     return Response{.status = 204};
   }
@@ -113,21 +155,25 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     const auto info = maps().find(name);
     if (!info) return error_response(request, info.error());
-    const auto parsed =
-        api::parse_map_scans(request.body, request.body_format,
-                             api::lidar_from_json(info->lidar_json), services_.limits);
+    const bool is_run = request.preference.respond_async;
+    const auto parsed = api::parse_map_scans(
+        request.body, request.body_format, api::lidar_from_json(info->lidar_json),
+        is_run ? limits_of_runs(services_.limits) : services_.limits);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::MapScansRequest>(parsed);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
-    const auto report = batch.unposed_scans.empty() ? maps().grow(name, batch.scans)
-                                                    : maps().grow(name, batch.unposed_scans);
-    if (!report) return error_response(request, report.error());
-    return document_response(request, 200,
-                             api::render_map_batch({.accepted = report->accepted,
-                                                    .duplicates = report->duplicates,
-                                                    .key_frames = report->key_frames,
-                                                    .features = report->features,
-                                                    .revision = report->revision}));
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    if (is_run) {
+      return accept_change_job(
+          request, kMappingJob,
+          {{"run", request.body}, {"type", api::media_type(request.body_format)}});
+    }
+    const auto report = batch.unposed_scans.empty()
+                            ? maps().grow(name, batch.scans, *expected)
+                            : maps().grow(name, batch.unposed_scans, *expected);
+    if (!report) return change_error(request, report.error());
+    return document_response(request, 200, api::render_map_batch(entry_of(*report)));
   }
 
   Response put_trajectory(const Request& request) {
@@ -135,9 +181,12 @@ class MapRoutes {
     if (const auto info = maps().find(name); !info) return error_response(request, info.error());
     const auto parsed = api::parse_trajectory(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
-    const auto moved = maps().set_trajectory(name, std::get<api::TrajectoryRequest>(parsed).poses);
-    if (!moved) return error_response(request, moved.error());
-    return document_response(request, 200, api::render_map(entry_of(*moved)));
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto moved =
+        maps().set_trajectory(name, std::get<api::TrajectoryRequest>(parsed).poses, *expected);
+    if (!moved) return change_error(request, moved.error());
+    return entry_response(request, 200, *moved);
   }
 
   Response put_grid(const Request& request) {
@@ -153,13 +202,17 @@ class MapRoutes {
     }
     if (!wrong.empty()) return unusable_form(std::move(wrong));
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    if (request.prefers_async) {
-      return accept_job(services_, request, kImportJob,
-                        {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    if (request.preference.respond_async) {
+      return accept_change_job(
+          request, kImportJob,
+          {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
     }
-    const auto report = maps().put_floor_map(name, request.parts.at("yaml"),
-                                             std::as_bytes(std::span(request.parts.at("image"))));
-    if (!report) return error_response(request, report.error());
+    const auto report =
+        maps().put_floor_map(name, request.parts.at("yaml"),
+                             std::as_bytes(std::span(request.parts.at("image"))), {}, *expected);
+    if (!report) return change_error(request, report.error());
     Response response = document_response(request, report->created ? 201 : 200,
                                           api::render_floor_map(entry_of(*report)));
     if (report->created) response.headers.emplace_back("Location", "/v1/maps/" + name);
@@ -168,7 +221,12 @@ class MapRoutes {
 
   Response get_archive(const Request& request) {
     const std::string& name = request.captures[0];
-    const auto bytes = maps().archive(name);
+    std::optional<std::uint64_t> revision;
+    if (const auto text = request.parameter("revision")) {
+      revision = whole_number(*text);
+      if (!revision) return wrong_revision();
+    }
+    const auto bytes = revision ? maps().archive(name, *revision) : maps().archive(name);
     if (!bytes) return error_response(request, bytes.error());
     Response response{.content_type = kArchiveType, .body = {bytes->begin(), bytes->end()}};
     response.headers.emplace_back("Content-Disposition",
@@ -180,11 +238,15 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     if (!api::is_valid_name(name)) return invalid_map_name();
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
+    if (const auto expected = expected_revision(request); !expected)
+      return change_error(request, expected.error());
+    if (request.preference.respond_async)
+      return accept_change_job(request, kRestoreJob, {{"archive", request.body}});
     const auto bytes = std::as_bytes(std::span(request.body));
     const auto info =
         maps().restore(name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
     if (!info) return error_response(request, info.error());
-    Response response = document_response(request, 201, api::render_map(entry_of(*info)));
+    Response response = entry_response(request, 201, *info);
     response.headers.emplace_back("Location", "/v1/maps/" + name);
     return response;
   }
@@ -200,9 +262,12 @@ class MapRoutes {
     const auto parsed = api::parse_roll_back(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
-    const auto info = maps().roll_back(name, std::get<api::RollBackRequest>(parsed).revision);
-    if (!info) return error_response(request, info.error());
-    return document_response(request, 200, api::render_map(entry_of(*info)));
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
+    const auto info =
+        maps().roll_back(name, std::get<api::RollBackRequest>(parsed).revision, *expected);
+    if (!info) return change_error(request, info.error());
+    return entry_response(request, 200, *info);
   }
 
   Response features(const Request& request) {
@@ -224,10 +289,9 @@ class MapRoutes {
     const auto map = maps().load(request.captures[0]);
     if (!map) return error_response(request, map.error());
     const std::string& id = request.captures[1];
-    std::size_t feature = 0;
-    const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), feature);
-    const bool is_number = error == std::errc{} && end == id.data() + id.size();
-    if (!is_number || feature >= (*map)->features().size()) return no_such_feature(id);
+    const auto number = whole_number(id);
+    if (!number || *number >= (*map)->features().size()) return no_such_feature(id);
+    const std::size_t feature = *number;
     const DescriptorParams& params = (*map)->descriptor_params();
     return document_response(
         request, 200,
@@ -248,7 +312,7 @@ class MapRoutes {
   }
 
   Response report(const Request& request) {
-    if (request.prefers_async && may(request.principal.role, Access::kMap))
+    if (request.preference.respond_async && may(request.principal.role, Access::kMap))
       return accept_report_job(request);
     return when_report_is_made(
         request, [&](const MapInfo& info, const ReportView& view) -> Response {
@@ -280,6 +344,20 @@ class MapRoutes {
                       "There are as many maps as there may be (max_maps): delete some.");
   }
 
+  /// That of the map, where If-Match names it; any without the header.
+  Result<ExpectedRevision> expected_revision(const Request& request) {
+    if (!request.if_match) return ExpectedRevision{};
+    const auto info = maps().find(request.captures[0]);
+    if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
+    if (!info || !is_as_required(*request.if_match, *info)) {
+      return Error{ErrorCode::kConflict,
+                   "If-Match names neither the map's ETag " +
+                       (info ? entity_tag_of(*info) : "(there is no map)") + " nor its digest",
+                   "revision"};
+    }
+    return ExpectedRevision{info->revision};
+  }
+
   template <typename Encode>
   Response grid_file(const Request& request, const char* content_type, Encode encode) {
     const auto info = maps().find(request.captures[0]);
@@ -291,11 +369,20 @@ class MapRoutes {
     return with_entity_tag(request, std::move(response), *info, content_type);
   }
 
+  /// Of a job that changes the map, or makes it.
+  Response accept_change_job(const Request& request, const char* kind, const JobInputView& input) {
+    const auto info = maps().find(request.captures[0]);
+    if (!info && info.error().code != ErrorCode::kNotFound)
+      return error_response(request, info.error());
+    return accept_job(services_, request, kind, input,
+                      KnownMap{info ? info->revision : 0, request.if_match.has_value()});
+  }
+
   Response accept_report_job(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
     if (!info->bounds) return error_response(request, map_without_grid());
-    return accept_job(services_, request, kReportJob, {});
+    return accept_job(services_, request, kReportJob, {}, std::nullopt);
   }
 
   template <typename Render>
@@ -334,12 +421,13 @@ void add_map_routes(Router& router, const Services& services) {
   add("PUT", "/v1/maps/{map}", Access::kMap, kOptionalDocument, &MapRoutes::put);
   add("GET", "/v1/maps/{map}", Access::kRead, kIgnored, &MapRoutes::get);
   add("DELETE", "/v1/maps/{map}", Access::kMap, kIgnored, &MapRoutes::remove);
-  add("POST", "/v1/maps/{map}/scans", Access::kMap, kDocument, &MapRoutes::post_scans);
+  add("POST", "/v1/maps/{map}/scans", Access::kMap, kRun, &MapRoutes::post_scans);
   add("PUT", "/v1/maps/{map}/trajectory", Access::kMap, kDocument, &MapRoutes::put_trajectory);
   add("PUT", "/v1/maps/{map}/grid", Access::kMap, kForm, &MapRoutes::put_grid);
   add("GET", "/v1/maps/{map}/revisions", Access::kRead, kIgnored, &MapRoutes::revisions);
   add("POST", "/v1/maps/{map}/rollback", Access::kMap, kDocument, &MapRoutes::roll_back);
-  add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive);
+  add("GET", "/v1/maps/{map}/archive", Access::kRead, kIgnored, &MapRoutes::get_archive,
+      {"revision"});
   add("POST", "/v1/maps/{map}/archive", Access::kMap, kArchive, &MapRoutes::post_archive);
   add("GET", "/v1/maps/{map}/features", Access::kRead, kIgnored, &MapRoutes::features, {"bbox"});
   add("GET", "/v1/maps/{map}/features/{id}/descriptor", Access::kRead, kIgnored,

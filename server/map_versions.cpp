@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/growing_map.hpp"
 #include "server/map_library.hpp"
@@ -28,17 +29,29 @@ Result<MapVersion> MapLibrary::version(std::string_view name, std::uint64_t revi
   return MapVersion{.digest = found == kept->end() ? std::string() : found->digest};
 }
 
-Result<MapInfo> MapLibrary::roll_back(std::string_view name, std::uint64_t revision) {
-  return retrying([&] { return roll_back_once(name, revision); });
+Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name,
+                                                      std::uint64_t revision) {
+  const auto info = find(name);
+  if (!info) return info.error();
+  if (info->revision == revision) return archive(name);
+  return stores_->with_maps([&](MapStore& maps) { return maps.revision_archive(name, revision); });
 }
 
-Result<MapInfo> MapLibrary::roll_back_once(std::string_view name, std::uint64_t revision) {
+Result<MapInfo> MapLibrary::roll_back(std::string_view name, std::uint64_t revision,
+                                      const ExpectedRevision& expected) {
+  return retrying([&] { return roll_back_once(name, revision, expected); });
+}
+
+Result<MapInfo> MapLibrary::roll_back_once(std::string_view name, std::uint64_t revision,
+                                           const ExpectedRevision& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found || found->revision == revision) return found;
+  if (const auto checked = check_revision(found->revision, expected); !checked)
+    return checked.error();
   const auto bytes =
       stores_->with_maps([&](MapStore& maps) { return maps.revision_archive(name, revision); });
   if (!bytes) return bytes.error();

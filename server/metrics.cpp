@@ -10,6 +10,8 @@
 #include <mutex>
 #include <utility>
 
+#include "server/job_runners.hpp"
+
 namespace cornerfix::server {
 namespace {
 
@@ -22,6 +24,9 @@ using prometheus::Histogram;
 const Histogram::BucketBoundaries kSecondsBuckets = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025,
                                                      0.05,   0.1,   0.25,   0.5,   1.0,  2.5,
                                                      5.0,    10.0,  30.0,   60.0,  600.0};
+/// From the import of a small occupancy map to the mapping of a day's run.
+const Histogram::BucketBoundaries kJobBuckets = {0.1,  0.5,  1.0,   2.5,   5.0,   10.0,
+                                                 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0};
 const Histogram::BucketBoundaries kLocalizationBuckets = {0.2,  0.5,  1.0,  2.0,   5.0,   10.0,
                                                           20.0, 30.0, 60.0, 120.0, 300.0, 600.0};
 
@@ -88,6 +93,13 @@ struct Metrics::Impl {
                                                          .Name("cornerfix_requests_limited_total")
                                                          .Help("Requests answered 429, by reason.")
                                                          .Register(registry);
+  prometheus::Family<prometheus::Gauge>& jobs =
+      BuildGauge().Name("cornerfix_jobs").Help("Jobs in the database.").Register(registry);
+  prometheus::Family<Histogram>& job_durations =
+      BuildHistogram()
+          .Name("cornerfix_job_duration_seconds")
+          .Help("Work on jobs that ended on this server.")
+          .Register(registry);
   prometheus::Counter& lockouts =
       counter("cornerfix_lockouts_total", "Addresses that were locked out after wrong tokens.");
   prometheus::Gauge& build = BuildGauge()
@@ -181,6 +193,12 @@ void Metrics::count_limited(std::string_view reason) {
   impl_->limited.Add({{"reason", std::string(reason)}}).Increment();
 }
 
+void Metrics::count_job(std::string_view kind, storage::JobStatus status, double seconds) {
+  impl_->job_durations
+      .Add({{"kind", std::string(kind)}, {"status", std::string(to_string(status))}}, kJobBuckets)
+      .Observe(seconds);
+}
+
 void Metrics::count_lockout() { impl_->lockouts.Increment(); }
 
 namespace {
@@ -194,7 +212,19 @@ void raise_to(prometheus::Counter& counter, double total) {
 
 }  // namespace
 
+void Metrics::set_jobs(const std::vector<storage::JobCount>& counts) {
+  const auto gauge = [this](std::string_view kind, storage::JobStatus status) -> auto& {
+    return impl_->jobs.Add(
+        {{"kind", std::string(kind)}, {"status", std::string(to_string(status))}});
+  };
+  for (const char* kind : kJobKinds) {
+    for (const auto status : storage::kJobStatuses) gauge(kind, status).Set(0.0);
+  }
+  for (const storage::JobCount& count : counts) set(gauge(count.kind, count.status), count.jobs);
+}
+
 std::string Metrics::render(const MetricsSnapshot& now) {
+  set_jobs(now.jobs);
   for (const Status status :
        {Status::kCollecting, Status::kAmbiguous, Status::kLocalized, Status::kLost}) {
     set(impl_->sessions.Add({{"status", std::string(to_string(status))}}),

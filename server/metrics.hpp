@@ -4,11 +4,13 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/localization_service.hpp"
 #include "server/map_library.hpp"
 #include "server/map_ranking.hpp"
 #include "server/process_usage.hpp"
+#include "storage/job_store.hpp"
 
 namespace cornerfix::server {
 
@@ -29,6 +31,7 @@ struct MetricsSnapshot {
   ServerLoad load{};
   ProcessUsage process{};
   DatabaseUsage database{};
+  std::vector<storage::JobCount> jobs{};
 };
 
 /// Any threads may call.
@@ -44,6 +47,8 @@ class Metrics {
   void count_shed(std::string_view reason);
   /// A request that was answered 429: `reason` is the code of its problem.
   void count_limited(std::string_view reason);
+  /// A job that ended here after so much work.
+  void count_job(std::string_view kind, storage::JobStatus status, double seconds);
   /// An address that was locked out after wrong tokens.
   void count_lockout();
 
@@ -51,6 +56,8 @@ class Metrics {
   [[nodiscard]] std::string render(const MetricsSnapshot& now);
 
  private:
+  void set_jobs(const std::vector<storage::JobCount>& counts);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,12 +1,23 @@
 /// \file  The header Prefer (RFC 7240).
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string_view>
 
 namespace cornerfix::server {
 
-/// Whether one of the preferences in the value of a header is "respond-async". Others are ignored,
-/// as the RFC allows.
-[[nodiscard]] bool prefers_async(std::string_view header);
+/// How a client wants a request with long work to be answered.
+struct Preference {
+  bool respond_async = false;                ///< At once, and the work as a job.
+  std::optional<std::chrono::seconds> wait;  ///< For the work; then 202 all the same.
+};
+
+/// A client that waits longer holds a thread for too long.
+inline constexpr std::chrono::seconds kMaxWait{60};
+
+/// Adds what the value of one header says; the first of a kind counts. `wait` is cut to kMaxWait,
+/// and other preferences are ignored, as the RFC allows.
+void add_preference(Preference& preference, std::string_view header);
 
 }  // namespace cornerfix::server

@@ -17,6 +17,9 @@ class ContentReader;
 
 namespace cornerfix::server {
 
+/// Of a run that is to be mapped by a job.
+inline constexpr std::size_t kMaxRunBytes = std::size_t{128} << 20U;
+
 /// Of a request whose head was received by RequestReceiver.
 [[nodiscard]] Framing framing_of(const httplib::Request& raw);
 

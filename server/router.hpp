@@ -20,6 +20,7 @@ enum class BodyRule {
   kIgnored,           ///< Read and dropped: none is needed.
   kDocument,          ///< JSON, CBOR or MessagePack.
   kScanBatch,         ///< The same, or the binary batch of a session.
+  kRun,               ///< The same, and as large as a form when it is to be a job.
   kOptionalDocument,  ///< The same, or none, which is an empty object.
   kArchive,           ///< Bytes of a map's archive.
   kForm,              ///< multipart/form-data, in Request::parts.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -52,10 +53,13 @@ struct Services {
 [[nodiscard]] Response over_quota(const Services& services, std::string_view code,
                                   std::string detail);
 
-/// Takes a job about the map of the request's path: 202 with its location, or 429.
+using JobInputView = std::map<std::string, std::string_view>;
+
+/// Takes a job about the map of the request's path: 202 with its location, or 429. When the client
+/// waits and the job is finished by then, the answer of its work.
 [[nodiscard]] Response accept_job(const Services& services, const Request& request,
-                                  const char* kind,
-                                  const std::map<std::string, std::string_view>& input);
+                                  const char* kind, const JobInputView& input,
+                                  const std::optional<storage::KnownMap>& known_map);
 
 void add_job_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);

@@ -78,8 +78,11 @@ LocalizationServiceSettings localization_settings(const ServerConfig& config,
           .checkpoint_interval = std::chrono::seconds(config.checkpoint_interval_s)};
 }
 
-JobServiceSettings job_settings(const ServerConfig& config) {
+JobServiceSettings job_settings(const ServerConfig& config,
+                                const std::shared_ptr<Metrics>& metrics) {
   return {.now = now_text,
+          .on_end = [metrics](std::string_view kind, storage::JobStatus status,
+                              double seconds) { metrics->count_job(kind, status, seconds); },
           .expired_before =
               [hours = std::chrono::hours(config.job_expiry_hours)] {
                 return time_text(SystemClock::now() - hours);
@@ -117,10 +120,10 @@ Result<Services> open_services(const ServerConfig& config, std::function<ServerL
       MapLibraryLimits{.max_map_bytes = config.max_map_bytes, .max_mappers = config.max_mappers},
       now_text);
   services.ranking = std::make_shared<MapRanking>(*stores, services.maps);
-  if (auto read = services.ranking->refresh(); !read) return read.error();
   services.reports = std::make_shared<ReportService>(services.maps);
   services.jobs = std::make_shared<JobService>(
-      *stores, make_job_runners(services.maps, services.reports), job_settings(config));
+      *stores, make_job_runners(services.maps, services.reports, config.request_limits),
+      job_settings(config, services.metrics));
   services.load = std::move(load);
   services.localization = std::make_shared<LocalizationService>(
       *stores, services.maps, localization_settings(config, services.events, services.metrics),

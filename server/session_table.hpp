@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -35,6 +36,11 @@ class SessionTable {
   /// When localizers use more than `max_bytes`, forgets those that were not taken for longest. A
   /// tenth of the room is then free, so that not every batch has to look.
   void forget_least_used(std::size_t max_bytes);
+
+  /// Until `has_room`, takes their localizers from sessions that are not in use: those that were
+  /// not taken for longest first. Then from those within a search, which would begin anew, the
+  /// newest first: so some come to an end.
+  void release_localizers(const std::function<bool()>& has_room);
 
   [[nodiscard]] SessionCounts count_by_status();
 

@@ -1,6 +1,7 @@
 #include "storage/job_store.hpp"
 
 #include <array>
+#include <string>
 #include <utility>
 
 #include "storage/database.hpp"
@@ -20,6 +21,15 @@ bool is_held_by(const std::optional<JobRecord>& job, std::string_view holder) {
   return job && job->status == JobStatus::kRunning && job->holder == holder;
 }
 
+/// The input that keeps the revision of the map.
+constexpr const char* kMapRevision = "map_revision";
+
+void insert_map_revision(JobTables& jobs, std::int64_t job, std::uint64_t revision) {
+  const std::string text = std::to_string(revision);
+  jobs.insert_input(job, kMapRevision,
+                    BlobView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
 /// Ends a job; what it worked on is of no use any more.
 void end_job(JobTables& jobs, JobRecord& job, JobStatus status, std::string_view now) {
   job.status = status;
@@ -37,14 +47,20 @@ std::string_view to_string(JobStatus status) {
 }
 
 JobStatus job_status_from(std::string_view text) {
-  for (std::size_t i = 0; i < kJobStatusNames.size(); ++i) {
-    if (kJobStatusNames.at(i) == text) return static_cast<JobStatus>(i);
+  for (const JobStatus status : kJobStatuses) {
+    if (to_string(status) == text) return status;
   }
   throw StorageError({ErrorCode::kCorruptData,
                       "the status of a job is '" + std::string(text) +
                           "', expected queued, running, "
                           "succeeded, failed or cancelled",
                       "job"});
+}
+
+std::optional<std::uint64_t> map_revision(const JobInput& input) {
+  const auto kept = input.find(kMapRevision);
+  if (kept == input.end()) return std::nullopt;
+  return std::stoull(std::string(kept->second.begin(), kept->second.end()));
 }
 
 JobStore::JobStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}
@@ -60,11 +76,14 @@ Result<std::optional<JobRecord>> JobStore::insert(const NewJob& job, const JobLi
     const JobLoad load = jobs.load();
     if (load.jobs >= limits.jobs || load.input_bytes + bytes > limits.bytes)
       return std::optional<JobRecord>();
+    const bool is_first = !jobs.has_unfinished(job.map);
     JobRecord record{.number = jobs.insert(job),
                      .id = job.id,
                      .kind = job.kind,
                      .map = job.map,
                      .created = job.created};
+    if (job.known_map && (is_first || job.known_map->is_required))
+      insert_map_revision(jobs, record.number, job.known_map->revision);
     transaction->commit();
     return std::optional(std::move(record));
   });
@@ -153,6 +172,19 @@ Result<std::optional<JobRecord>> JobStore::claim(std::string_view holder,
 
 Result<JobInput> JobStore::input(std::int64_t job) {
   return guarded([&]() -> Result<JobInput> { return database_->jobs().input(job); });
+}
+
+Result<void> JobStore::keep_map_revision(std::int64_t job, std::uint64_t revision) {
+  return guarded([&]() -> Result<void> {
+    const auto transaction = database_->begin(Access::kWrite);
+    insert_map_revision(database_->jobs(), job, revision);
+    transaction->commit();
+    return {};
+  });
+}
+
+Result<std::vector<JobCount>> JobStore::counts() {
+  return guarded([&]() -> Result<std::vector<JobCount>> { return database_->jobs().counts(); });
 }
 
 Result<LeaseState> JobStore::renew(std::int64_t number, std::string_view holder,

@@ -7,6 +7,7 @@
 /// Every call is one transaction; not synchronised (one thread at a time).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -25,6 +26,10 @@ namespace cornerfix::storage {
 class Database;
 
 enum class JobStatus { kQueued, kRunning, kSucceeded, kFailed, kCancelled };
+
+inline constexpr std::array kJobStatuses = {JobStatus::kQueued, JobStatus::kRunning,
+                                            JobStatus::kSucceeded, JobStatus::kFailed,
+                                            JobStatus::kCancelled};
 
 /// "queued", "running", "succeeded", "failed" or "cancelled".
 [[nodiscard]] std::string_view to_string(JobStatus status);
@@ -52,18 +57,37 @@ struct JobRecord {
 /// By name, bytes that a job works on.
 using JobInput = std::map<std::string, Blob>;
 
+/// The map that a job may change, as the client knew it.
+struct KnownMap {
+  std::uint64_t revision = 0;  ///< 0: there was none.
+  /// Also where earlier jobs of the map are not finished; else the job changes what they leave.
+  bool is_required = false;
+};
+
+/// The revision of the map that the job may change; nothing where earlier jobs of the map were not
+/// finished when it was accepted, and it did not begin yet.
+[[nodiscard]] std::optional<std::uint64_t> map_revision(const JobInput& input);
+
 struct NewJob {
   std::string id;
   std::string kind;
   std::string map;
   std::string created;
   std::map<std::string, BlobView> input{};  ///< As JobInput.
+  std::optional<KnownMap> known_map{};      ///< Of a job that changes the map.
 };
 
 /// Of jobs that are not finished.
 struct JobLimits {
   std::size_t jobs = 100;
   std::uint64_t bytes = std::uint64_t{1} << 30U;  ///< Of their inputs.
+};
+
+/// Jobs of one kind and status.
+struct JobCount {
+  std::string kind;
+  JobStatus status = JobStatus::kQueued;
+  std::size_t jobs = 0;
 };
 
 struct JobPage {
@@ -123,6 +147,10 @@ class JobStore {
                                                        std::span<const JobLease> expired,
                                                        std::string_view now);
   [[nodiscard]] Result<JobInput> input(std::int64_t job);
+  /// Adds to the input of a job that waited for earlier jobs which revision of the map these left.
+  [[nodiscard]] Result<void> keep_map_revision(std::int64_t job, std::uint64_t revision);
+  /// By kind and status, of all jobs that there are.
+  [[nodiscard]] Result<std::vector<JobCount>> counts();
   /// Keeps the job and writes how far it is.
   [[nodiscard]] Result<LeaseState> renew(std::int64_t job, std::string_view holder,
                                          std::string_view stage, double progress);

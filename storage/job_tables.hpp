@@ -31,6 +31,8 @@ class JobTables {
   /// Returns the new number.
   virtual std::int64_t insert(const NewJob& job) = 0;
   virtual JobLoad load() = 0;
+  virtual std::vector<JobCount> counts() = 0;
+  virtual bool has_unfinished(std::string_view map) = 0;
   /// In a transaction that writes, other writers of the job then wait for its end.
   virtual std::optional<JobRecord> find(std::string_view id) = 0;
   virtual std::optional<JobRecord> find(std::int64_t number) = 0;
@@ -44,6 +46,7 @@ class JobTables {
   virtual std::string answer(std::int64_t number) = 0;
   virtual void put_answer(std::int64_t number, std::string_view answer) = 0;
   virtual JobInput input(std::int64_t number) = 0;
+  virtual void insert_input(std::int64_t number, std::string_view name, BlobView content) = 0;
   virtual void remove_input(std::int64_t number) = 0;
   virtual void remove_finished_before(std::string_view time) = 0;
 };

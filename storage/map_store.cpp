@@ -136,13 +136,17 @@ Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view
   });
 }
 
-Result<void> MapStore::remove(std::string_view name) {
+Result<void> MapStore::remove(std::string_view name,
+                              std::optional<std::uint64_t> expected_revision) {
   return guarded([&]() -> Result<void> {
     const auto transaction = database_->begin(Access::kWrite);
     MapTables& maps = database_->maps();
-    const bool was_there = maps.remove(name);
+    const std::optional<MapRow> map = maps.find(name);
+    if (!map) return unknown_map(name);
+    if (expected_revision && *expected_revision != map->info.revision)
+      return other_revision(map->info.revision, *expected_revision);
+    maps.remove(name);
     transaction->commit();
-    if (!was_there) return unknown_map(name);
     return {};
   });
 }

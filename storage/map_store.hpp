@@ -123,7 +123,9 @@ class MapStore {
                                  std::optional<std::string_view> parameters_json,
                                  std::string_view now,
                                  const std::optional<MapRemake>& remake = std::nullopt);
-  [[nodiscard]] Result<void> remove(std::string_view name);
+  /// kConflict when it is not at `expected_revision`.
+  [[nodiscard]] Result<void> remove(std::string_view name,
+                                    std::optional<std::uint64_t> expected_revision = {});
 
   /// Which of `stamps` the map already holds, same order.
   [[nodiscard]] Result<std::vector<bool>> known_stamps(std::int64_t map_id,

@@ -54,7 +54,7 @@ class MapTables {
   virtual std::int64_t insert(const MapRow& row) = 0;
   /// All but name and creation. `has_floor_map` is put_grid()'s.
   virtual void update(const MapRow& row) = 0;
-  virtual bool remove(std::string_view name) = 0;
+  virtual void remove(std::string_view name) = 0;
 
   virtual std::vector<bool> known_stamps(std::int64_t map, std::span<const double> stamps) = 0;
   virtual bool holds_stamps(std::int64_t map) = 0;

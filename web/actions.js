@@ -20,6 +20,38 @@ function deleteMap(page) {
   });
 }
 
+function rollBack(page, revision) {
+  const { map } = page;
+  confirmThen({
+    title: `Roll ${map.name} back to revision ${revision}?`,
+    text: `Its content, lidar and parameters become those of revision ${revision}. Robots continue in it with their next `
+      + 'batch. The present revision is kept.',
+    yes: 'Roll back',
+  }, async () => {
+    await api.rollBackMap(map.name, revision);
+    await page.reload();
+  });
+}
+
+// The page compares maps, so a former revision becomes a map of its own.
+function compareRevision(page, revision) {
+  const { map, mapNames } = page;
+  const copy = `${map.name}.r${revision}`.slice(-128);
+  if (mapNames.includes(copy)) {
+    page.goTo({ compare: copy });
+    return;
+  }
+  confirmThen({
+    title: `Compare with revision ${revision}?`,
+    text: `It is added as the map ${copy}. Delete that map when it is of no use any more.`,
+    yes: 'Add it and compare',
+  }, async () => {
+    await api.uploadArchive(copy, await api.mapArchive(map.name, revision), { onProgress: () => {} });
+    await page.reload();
+    page.goTo({ compare: copy });
+  });
+}
+
 function resetRobot(page) {
   const { session } = page;
   confirmThen({
@@ -64,6 +96,10 @@ const ACTIONS = {
     await page.reload();
   }),
   'download-map': (_, page) => saveFile(`${page.map.name}.cornerfix`, api.mapArchive(page.map.name)),
+  'roll-back': ({ revision }, page) => rollBack(page, Number(revision)),
+  'compare-revision': ({ revision }, page) => compareRevision(page, Number(revision)),
+  'download-revision': ({ revision }, page) => saveFile(`${page.map.name}.r${revision}.cornerfix`,
+    api.mapArchive(page.map.name, Number(revision))),
   'delete-map': (_, page) => deleteMap(page),
   'reset-robot': (_, page) => resetRobot(page),
   'delete-robot': (_, page) => deleteRobot(page),

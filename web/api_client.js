@@ -85,7 +85,14 @@ export async function mapGrid(name) {
 }
 
 export const gridImage = async (name) => (await get(`${mapPath(name)}/grid.png`, { accept: 'image/png' })).blob();
-export const mapArchive = async (name) => (await get(`${mapPath(name)}/archive`, { accept: '*/*' })).blob();
+// Of the present revision, or of a kept one.
+export async function mapArchive(name, revision) {
+  const query = revision ? `?revision=${revision}` : '';
+  return (await get(`${mapPath(name)}/archive${query}`, { accept: '*/*' })).blob();
+}
+// The present one, then those that are kept, newest first.
+export const mapRevisions = async (name) => (await (await get(`${mapPath(name)}/revisions`)).json()).revisions;
+export const rollBackMap = (name, revision) => sendJson('POST', `${mapPath(name)}/rollback`, { revision });
 export const sharedFile = async (path) => (await get(path, { accept: '*/*' })).blob();
 
 // Only XMLHttpRequest reports how much of a body is sent. `onProgress` gets a share in [0, 1].

@@ -8,6 +8,7 @@ import { GridCache } from './grid_cache.js';
 import { HistoryPanel } from './history_panel.js';
 import { MapList } from './map_list.js';
 import { showComparison, showMap, showReport } from './map_panel.js';
+import { MapRevisions } from './map_revisions.js';
 import { MapScreen } from './map_screen.js';
 import { Playback, answerOf } from './playback.js';
 import { readRecording } from './recording.js';
@@ -47,6 +48,7 @@ class Inspector {
   #truth = null;  // Of the simulated robot, with its session.
   #robotList = new RobotList();
   #mapList = new MapList();
+  #revisions = new MapRevisions();
   #historyPanel = new HistoryPanel();
   #maps = [];
   #maps_read_ms = 0;
@@ -91,6 +93,10 @@ class Inspector {
 
   get map() {
     return this.#maps.find(({ name }) => name === this.#chosen.map) ?? null;
+  }
+
+  get mapNames() {
+    return this.#maps.map(({ name }) => name);
   }
 
   goTo(chosen) {
@@ -375,6 +381,7 @@ class Inspector {
     const isMissing = this.#maps.length && this.#chosen.map && !map;
     this.#notice('missing', isMissing ? `There is no map ${this.#chosen.map}.` : '');
     showMap(map, robots.get(map?.name) ?? 0, now);
+    this.#revisions.show(map, now);
     this.#screen.showMap(map, this.#chosen.view);
     const grid = map ? this.#grids.get(map.name) : null;
     this.#screen.setGrid(grid);

@@ -38,6 +38,7 @@ Result<SlamRun> run_slam(std::span<const LogScan> scans, bool use_odometry,
   }
   const auto optimized = optimize_trajectory(mapper.key_frames(), [&](double share) {
     if (progress) progress(kOdometryShare + (1.0 - kOdometryShare) * share);
+    return true;
   });
   if (!optimized) return optimized.error();
   for (const Stop& stop : stops)

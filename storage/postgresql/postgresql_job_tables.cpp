@@ -42,10 +42,7 @@ class PostgresqlJobTables : public JobTables {
                 "RETURNING number",
                 job.id, job.kind, job.map, job.created)
             .integer(0, 0);
-    for (const auto& [name, content] : job.input) {
-      (void)connection_.execute("INSERT INTO job_inputs (job, name, content) VALUES ($1, $2, $3)",
-                                number, name, content);
-    }
+    for (const auto& [name, content] : job.input) insert_input(number, name, content);
     return number;
   }
 
@@ -54,6 +51,26 @@ class PostgresqlJobTables : public JobTables {
         "SELECT count(*), coalesce(sum((SELECT sum(octet_length(content)) FROM job_inputs "
         "WHERE job = number)), 0)::bigint FROM jobs WHERE status IN ('queued', 'running')");
     return {.jobs = static_cast<std::size_t>(rows.number(0, 0)), .input_bytes = rows.number(0, 1)};
+  }
+
+  std::vector<JobCount> counts() override {
+    const PostgresqlRows rows = connection_.execute(
+        "SELECT kind, status, count(*) FROM jobs GROUP BY kind, status ORDER BY 1, 2");
+    std::vector<JobCount> counts;
+    for (int row = 0; row < rows.size(); ++row) {
+      counts.push_back({rows.text(row, 0), job_status_from(rows.text(row, 1)),
+                        static_cast<std::size_t>(rows.number(row, 2))});
+    }
+    return counts;
+  }
+
+  bool has_unfinished(std::string_view map) override {
+    return !connection_
+                .execute(
+                    "SELECT 1 FROM jobs WHERE map = $1 AND status IN ('queued', 'running') "
+                    "LIMIT 1",
+                    map)
+                .empty();
   }
 
   std::optional<JobRecord> find(std::string_view id) override {
@@ -138,6 +155,11 @@ class PostgresqlJobTables : public JobTables {
     JobInput input;
     for (int row = 0; row < rows.size(); ++row) input[rows.text(row, 0)] = rows.copy(row, 1);
     return input;
+  }
+
+  void insert_input(std::int64_t number, std::string_view name, BlobView content) override {
+    (void)connection_.execute("INSERT INTO job_inputs (job, name, content) VALUES ($1, $2, $3)",
+                              number, name, content);
   }
 
   void remove_input(std::int64_t number) override {

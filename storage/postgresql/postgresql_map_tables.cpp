@@ -107,8 +107,8 @@ class PostgresqlMapTables : public MapTables {
         info.id);
   }
 
-  bool remove(std::string_view name) override {
-    return connection_.execute("DELETE FROM maps WHERE name = $1", name).changed() > 0;
+  void remove(std::string_view name) override {
+    (void)connection_.execute("DELETE FROM maps WHERE name = $1", name);
   }
 
   std::vector<bool> known_stamps(std::int64_t map, std::span<const double> stamps) override {

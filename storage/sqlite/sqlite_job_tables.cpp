@@ -39,11 +39,7 @@ class SqliteJobTables : public JobTables {
         .bind(job.id, job.kind, job.map, job.created)
         .run();
     const std::int64_t number = database_.last_row_id();
-    for (const auto& [name, content] : job.input) {
-      Statement(database_, "INSERT INTO job_inputs (job, name, content) VALUES (?, ?, ?)")
-          .bind(number, name, content)
-          .run();
-    }
+    for (const auto& [name, content] : job.input) insert_input(number, name, content);
     return number;
   }
 
@@ -53,6 +49,23 @@ class SqliteJobTables : public JobTables {
                   "WHERE job = number)), 0) FROM jobs WHERE status IN ('queued', 'running')");
     row.step();
     return {.jobs = static_cast<std::size_t>(row.number(0)), .input_bytes = row.number(1)};
+  }
+
+  std::vector<JobCount> counts() override {
+    Statement row(database_,
+                  "SELECT kind, status, count(*) FROM jobs GROUP BY kind, status ORDER BY 1, 2");
+    std::vector<JobCount> counts;
+    for (row.bind(); row.step();) {
+      counts.push_back(
+          {row.text(0), job_status_from(row.text(1)), static_cast<std::size_t>(row.number(2))});
+    }
+    return counts;
+  }
+
+  bool has_unfinished(std::string_view map) override {
+    Statement row(database_,
+                  "SELECT 1 FROM jobs WHERE map = ? AND status IN ('queued', 'running') LIMIT 1");
+    return row.bind(map).step();
   }
 
   std::optional<JobRecord> find(std::string_view id) override {
@@ -137,6 +150,12 @@ class SqliteJobTables : public JobTables {
       input[row.text(0)].assign(content.begin(), content.end());
     }
     return input;
+  }
+
+  void insert_input(std::int64_t number, std::string_view name, BlobView content) override {
+    Statement(database_, "INSERT INTO job_inputs (job, name, content) VALUES (?, ?, ?)")
+        .bind(number, name, content)
+        .run();
   }
 
   void remove_input(std::int64_t number) override {

@@ -110,8 +110,8 @@ class SqliteMapTables : public MapTables {
         .run();
   }
 
-  bool remove(std::string_view name) override {
-    return Statement(database_, "DELETE FROM maps WHERE name = ?").bind(name).run() > 0;
+  void remove(std::string_view name) override {
+    Statement(database_, "DELETE FROM maps WHERE name = ?").bind(name).run();
   }
 
   std::vector<bool> known_stamps(std::int64_t map, std::span<const double> stamps) override {

@@ -28,15 +28,27 @@ std::string part(const std::string& name, const std::string& content) {
          "\"\r\n\r\n" + content + "\r\n";
 }
 
-/// An occupancy map of the room that the robots of room_drive.hpp are in, with `image` or its own.
-std::string room_form(const std::string& image = {}) {
-  const OccupancyGrid grid = testing::drawn_grid(testing::figure7_room(), {5.0, 5.0},
-                                                 {-1.0, -1.0, 0.0}, {12.0, 12.0}, 0.05);
+OccupancyGrid room_grid() {
+  return testing::drawn_grid(testing::figure7_room(), {5.0, 5.0}, {-1.0, -1.0, 0.0}, {12.0, 12.0},
+                             0.05);
+}
+
+/// The same room, in a larger yard.
+OccupancyGrid other_room_grid() {
+  return testing::drawn_grid(testing::figure7_room(), {5.0, 5.0}, {-2.0, -2.0, 0.0}, {14.0, 14.0},
+                             0.05);
+}
+
+/// With an image that is none where `image` is given.
+std::string form_of(const OccupancyGrid& grid, const std::string& image = {}) {
   const auto png = encode_grid_png(grid);
   const std::string own(reinterpret_cast<const char*>(png.data()), png.size());
   return part("yaml", encode_grid_yaml(grid, "room.png")) +
          part("image", image.empty() ? own : image) + "--xyz--\r\n";
 }
+
+/// An occupancy map of the room that the robots of room_drive.hpp are in, with `image` or its own.
+std::string room_form(const std::string& image = {}) { return form_of(room_grid(), image); }
 
 Reply put_grid(HttpClient& client, const std::string& map, const testing::HeaderMap& headers,
                const std::string& form = room_form()) {
@@ -60,6 +72,12 @@ void leave_job_behind(const std::filesystem::path& database, const std::string& 
       storage::Database::open(database.string(), storage::Synchronous::kFull).value());
   ASSERT_TRUE(jobs.insert({.id = "left", .kind = "import", .map = map, .created = "t0"}, {}));
   ASSERT_TRUE(jobs.claim("dead", {}, "t1").value());
+}
+
+/// All scans of a run, without poses.
+Json unposed_run(const testing::RobotDrive& drive) {
+  return {{"lidar", testing::lidar_json()},
+          {"scans", testing::session_batch(drive, 0, drive.scans.size())["scans"]}};
 }
 
 class JobsApiTest : public ::testing::Test {
@@ -145,6 +163,78 @@ TEST_F(JobsApiTest, ListsJobsInPages) {
   EXPECT_EQ(client_.get("/v1/jobs?page_token=x").status, 422);
 }
 
+TEST_F(JobsApiTest, MapsAWholeRunInTheBackground) {
+  const testing::RobotDrive drive = testing::robot_drive(150);
+  ASSERT_EQ(client_.put("/v1/maps/office", Json::object()).status, 201);
+  const Json run = unposed_run(drive);
+  EXPECT_EQ(client_.post("/v1/maps/office/scans", run).status, 413);  // As a batch.
+  const Reply accepted =
+      client_.send("POST", "/v1/maps/office/scans", run.dump(), "application/json", kAsync);
+  ASSERT_EQ(accepted.status, 202) << accepted.body;
+  EXPECT_EQ(accepted.json()["kind"], "mapping");
+  const std::string path = accepted.header("location");
+  const Json job = finished_job(client_, path);
+  ASSERT_EQ(job["status"], "succeeded") << job;
+  EXPECT_EQ(job["stage"], "storing");
+  const Json result = client_.get(path + "/result").json();
+  EXPECT_EQ(result["accepted"], 150);
+  EXPECT_EQ(result["features"], client_.get("/v1/maps/office/features").json()["features"].size());
+  EXPECT_EQ(result["revision"], client_.get("/v1/maps/office").json()["revision"]);
+}
+
+TEST_F(JobsApiTest, RefusesARunAtOnceThatIsWrong) {
+  client_.put("/v1/maps/office", Json::object());
+  Json run = unposed_run(testing::robot_drive(3));
+  run["scans"][1]["stamp"] = run["scans"][0]["stamp"];
+  const auto post = [&](const std::string& map) {
+    return client_.send("POST", "/v1/maps/" + map + "/scans", run.dump(), "application/json",
+                        kAsync);
+  };
+  EXPECT_EQ(post("office").json()["errors"][0]["pointer"], "/scans/1/stamp");
+  EXPECT_EQ(post("nowhere").status, 404);
+  EXPECT_THAT(client_.get("/v1/jobs").json()["jobs"], IsEmpty());
+}
+
+TEST_F(JobsApiTest, RestoresAnArchiveInTheBackground) {
+  testing::make_room_map(client_, "room");
+  const std::string archive = client_.get("/v1/maps/room/archive").body;
+  const auto restore = [&](const std::string& map) {
+    const Reply accepted = client_.send("POST", "/v1/maps/" + map + "/archive", archive,
+                                        "application/vnd.sqlite3", kAsync);
+    EXPECT_EQ(accepted.status, 202) << accepted.body;
+    return finished_job(client_, accepted.header("location"));
+  };
+  const Json job = restore("copy");
+  ASSERT_EQ(job["status"], "succeeded") << job;
+  EXPECT_EQ(job["kind"], "restore");
+  EXPECT_EQ(client_.get(job["result"].get<std::string>()).json(),
+            client_.get("/v1/maps/copy").json());
+  EXPECT_EQ(client_.get("/v1/maps/copy").json()["digest"],
+            client_.get("/v1/maps/room").json()["digest"]);
+  EXPECT_EQ(restore("room")["problem"]["status"], 409);
+}
+
+TEST_F(JobsApiTest, AnswersAsWithoutAJobWhenItIsFinishedWhileTheClientWaits) {
+  const testing::HeaderMap waiting = {{"Prefer", "respond-async, wait=60"}};
+  const Reply made = put_grid(client_, "plan", waiting);
+  EXPECT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(made.header("location"), "/v1/maps/plan");
+  EXPECT_EQ(made.json(), put_grid(client_, "other", {}).json());
+  EXPECT_EQ(put_grid(client_, "plan", waiting).status, 200);
+  const Reply wrong = put_grid(client_, "bad", waiting, room_form("GIF89a"));
+  EXPECT_EQ(wrong.status, 400);
+  EXPECT_EQ(wrong.header("content-type"), "application/problem+json");
+  EXPECT_EQ(wrong.json()["errors"][0]["pointer"], "/image");
+}
+
+TEST_F(JobsApiTest, ShowsJobsInTheMetrics) {
+  put_grid(client_, "plan", {{"Prefer", "respond-async, wait=60"}});
+  const std::string metrics = client_.get("/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("cornerfix_jobs{kind=\"import\",status=\"succeeded\"} 1"));
+  EXPECT_THAT(metrics, HasSubstr("cornerfix_job_duration_seconds_count{kind=\"import\",status="
+                                 "\"succeeded\"} 1"));
+}
+
 TEST_F(JobsApiTest, DoesNotKnowOtherJobs) {
   EXPECT_EQ(client_.get("/v1/jobs/nothing").status, 404);
   EXPECT_EQ(client_.get("/v1/jobs/nothing/result").status, 404);
@@ -210,6 +300,65 @@ TEST(JobsApi, ShowsJobsToThoseWhoMayChangeMapsOnly) {
   EXPECT_EQ(HttpClient(server.port()).get("/v1/jobs").status, 401);
   EXPECT_EQ(mapper.get("/v1/jobs").json()["jobs"].size(), 1U);
   EXPECT_EQ(finished_job(mapper, path)["status"], "succeeded");
+}
+
+/// A job that a server did, up to the answer, before it died; `form` is that of an import.
+void leave_import_behind(const std::filesystem::path& database, std::uint64_t map_revision) {
+  const OccupancyGrid grid = room_grid();
+  const std::string yaml = encode_grid_yaml(grid, "room.png");
+  const auto image = encode_grid_png(grid);
+  storage::JobStore jobs(
+      storage::Database::open(database.string(), storage::Synchronous::kFull).value());
+  const storage::BlobView text(reinterpret_cast<const std::uint8_t*>(yaml.data()), yaml.size());
+  ASSERT_TRUE(jobs.insert({.id = "left",
+                           .kind = "import",
+                           .map = "plan",
+                           .created = "t0",
+                           .input = {{"yaml", text}, {"image", image}},
+                           .known_map = storage::KnownMap{map_revision}},
+                          {}));
+  ASSERT_TRUE(jobs.claim("dead", {}, "t1").value());
+  ASSERT_TRUE(jobs.release(jobs.find("left")->number, "dead", true));
+}
+
+TEST(JobsApi, ARepeatedJobLeavesANewerMapAsItIs) {
+  const testing::TemporaryDirectory directory;
+  Json newer;
+  {
+    const testing::TestServer server(directory / "test.db");
+    HttpClient client(server.port());
+    ASSERT_EQ(put_grid(client, "plan", {}).status, 201);
+    newer =
+        client.put("/v1/maps/plan", {{"parameters", {{"grid", {{"resolution_m", 0.1}}}}}}).json();
+    const Reply replaced = put_grid(client, "plan", {}, form_of(other_room_grid()));
+    ASSERT_EQ(replaced.status, 200) << replaced.body;
+    newer = client.get("/v1/maps/plan").json();
+  }
+  leave_import_behind(directory / "test.db", 0);
+  const testing::TestServer server(directory / "test.db");
+  HttpClient client(server.port());
+  const Json job = finished_job(client, "/v1/jobs/left");
+  EXPECT_EQ(job["status"], "failed") << job;
+  EXPECT_EQ(job["problem"]["status"], 409);
+  EXPECT_THAT(job["problem"]["detail"].get<std::string>(), HasSubstr("expected no map"));
+  EXPECT_EQ(client.get("/v1/maps/plan").json(), newer);
+}
+
+TEST(JobsApi, ARepeatedJobThatWasDoneSucceeds) {
+  const testing::TemporaryDirectory directory;
+  Json made;
+  {
+    const testing::TestServer server(directory / "test.db");
+    HttpClient client(server.port());
+    ASSERT_EQ(put_grid(client, "plan", {}).status, 201);
+    made = client.get("/v1/maps/plan").json();
+  }
+  leave_import_behind(directory / "test.db", 0);
+  const testing::TestServer server(directory / "test.db");
+  HttpClient client(server.port());
+  const Json job = finished_job(client, "/v1/jobs/left");
+  EXPECT_EQ(job["status"], "succeeded") << job;
+  EXPECT_EQ(client.get("/v1/maps/plan").json(), made);
 }
 
 TEST(JobsApi, AJobSurvivesTheEndOfTheServer) {

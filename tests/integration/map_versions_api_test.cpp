@@ -47,6 +47,21 @@ TEST_F(MapVersionsApiTest, ListsTheNewestFirst) {
   EXPECT_GT(list[1]["archive_bytes"], 0);
 }
 
+TEST_F(MapVersionsApiTest, GivesTheArchiveOfAKeptRevision) {
+  const Json changed = change();
+  const auto archive = [&](const std::string& revision) {
+    return client_.get("/v1/maps/office/archive?revision=" + revision);
+  };
+  const Reply former = archive(mapped_["revision"].dump());
+  ASSERT_EQ(former.status, 200) << former.body;
+  EXPECT_EQ(client_.send("POST", "/v1/maps/former/archive", former.body, "application/vnd.sqlite3")
+                .json()["digest"],
+            mapped_["digest"]);
+  EXPECT_EQ(archive(changed["revision"].dump()).body, client_.get("/v1/maps/office/archive").body);
+  EXPECT_EQ(archive("99").status, 404);
+  EXPECT_EQ(archive("x").status, 422);
+}
+
 TEST_F(MapVersionsApiTest, RollsBackToANewRevision) {
   const Json changed = change();
   const Reply reply = roll_back({{"revision", mapped_["revision"]}});

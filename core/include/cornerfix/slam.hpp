@@ -52,11 +52,12 @@ struct OptimizedTrajectory {
 /// the poses that agree best. After Hess et al. 2016.
 ///
 /// \param drive     Keyframes at the poses of lidar odometry, in the order of driving.
-/// \param progress  Called with the share done, in [0, 1]; may be empty.
-/// \return kInternal when the pose graph has no solution.
+/// \param progress  Called with the share done, in [0, 1]; may be empty. The work is given up when
+///                  it returns false.
+/// \return kInternal when the pose graph has no solution, kUnavailable when it was given up.
 ///
 /// Deterministic, keeps no state. O(submaps * area of the map + keyframes * beams).
 [[nodiscard]] Result<OptimizedTrajectory> optimize_trajectory(
-    std::span<const PosedScan> drive, const std::function<void(double)>& progress = {});
+    std::span<const PosedScan> drive, const std::function<bool(double)>& progress = {});
 
 }  // namespace cornerfix

@@ -16,8 +16,9 @@ void Localizer::Impl::look_for_robot(StepTimes& times) {
   const View view = view_from(submap, T_submap_base_link);
   const double match_begin = now();
   // A search of maps that could not be ranked gives way when they can be.
-  const bool can_rank_now =
-      !selection.is_ranked && !region && view.corners.size() >= kEnoughCorners;
+  const bool can_rank_now = source && !selection.is_ranked &&
+                            view.corners.size() >= kEnoughCorners &&
+                            (!region || is_chosen_by_corners(*source, region));
   if (source && (can_rank_now || search.is_matching_due(view))) select_from_source(view);
   search.propose(maps, view, params.seed + scans);
   times.match_ms = now() - match_begin;
@@ -128,7 +129,8 @@ Reason Localizer::Impl::no_match() const {
 
 Reason Localizer::Impl::unsearched() const {
   if (!source || selection.unsearched == 0) return Reason::kNone;
-  return selection.is_ranked || region ? Reason::kSearching : Reason::kFewFeatures;
+  const bool is_all_searched = region && !is_chosen_by_corners(*source, region);
+  return selection.is_ranked || is_all_searched ? Reason::kSearching : Reason::kFewFeatures;
 }
 
 void Localizer::Impl::accept(const Candidate& best) {

@@ -51,6 +51,11 @@ void add_without_ranking(MapSelection& selection, MapSource& source, const View&
 
 }  // namespace
 
+bool is_chosen_by_corners(MapSource& source, const std::optional<StartRegion>& region) {
+  if (!region) return source.size() > kFewMaps;
+  return region->map.empty() && source.size() > kMostUnranked;
+}
+
 MapSelection select_maps(MapSource& source, const View& view, SelectionRequest request) {
   MapSelection selection = std::move(request.kept);
   selection.unsearched = 0;
@@ -59,7 +64,7 @@ MapSelection select_maps(MapSource& source, const View& view, SelectionRequest r
   if (region && !region->map.empty()) {
     const auto key = source.find(region->map);
     if (key && !add(selection, source, *key, kMostRanked)) ++selection.unsearched;
-  } else if (!region && source.size() > kFewMaps && view.corners.size() >= kEnoughCorners) {
+  } else if (is_chosen_by_corners(source, region) && view.corners.size() >= kEnoughCorners) {
     selection.is_ranked = true;
     add_ranked(selection, source, view);
   } else {

@@ -26,6 +26,11 @@ struct SelectionRequest {
   double distance_m = 0.0;                   ///< Driven since the search began.
 };
 
+/// Whether corners choose the maps, because they are too many to be all searched: also in a region
+/// that names no map.
+[[nodiscard]] bool is_chosen_by_corners(MapSource& source,
+                                        const std::optional<StartRegion>& region);
+
 /// With six corners or more, maps whose best pose in the ranking is at most 0.2 nat per hit below
 /// that of the best map, and at most 32. With fewer corners all maps if they are few enough, else
 /// none.

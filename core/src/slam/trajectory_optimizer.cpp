@@ -38,6 +38,10 @@ double distance_to_way(const Point2& position, const DriveSubmap& submap) {
   return nearest;
 }
 
+Error optimization_given_up() {
+  return {ErrorCode::kUnavailable, "the optimisation of the trajectory was given up", ""};
+}
+
 /// Finds the poses of all submaps, one after the other.
 class SubmapPlacer {
  public:
@@ -161,11 +165,12 @@ class KeyFramePlacer {
   }
 
   /// Calls `progress` with the share of keyframes done.
-  [[nodiscard]] Result<void> improve(const std::function<void(double)>& progress) {
+  [[nodiscard]] Result<void> improve(const std::function<bool(double)>& progress) {
     graph_.relations = own_;
     for (std::size_t i = 0; i < drive_.size(); ++i) {
       relate_to_neighbors(i);
-      progress(static_cast<double>(i) / static_cast<double>(drive_.size()));
+      if (!progress(static_cast<double>(i) / static_cast<double>(drive_.size())))
+        return optimization_given_up();
     }
     return optimize(graph_);
   }
@@ -221,12 +226,10 @@ class KeyFramePlacer {
 }  // namespace
 
 Result<OptimizedTrajectory> optimize_trajectory(std::span<const PosedScan> drive,
-                                                const std::function<void(double)>& progress) {
+                                                const std::function<bool(double)>& progress) {
   OptimizedTrajectory optimized;
   if (drive.empty()) return optimized;
-  const auto report = [&progress](double share) {
-    if (progress) progress(share);
-  };
+  const auto goes_on = [&progress](double share) { return !progress || progress(share); };
   constexpr double kPlacingShare = 0.6;  // of the work
 
   const std::vector<DrivePiece> pieces = cut_drive(drive);
@@ -236,12 +239,13 @@ Result<OptimizedTrajectory> optimize_trajectory(std::span<const PosedScan> drive
   SubmapPlacer placer(submaps);
   for (std::size_t k = 0; k < submaps.size(); ++k) {
     if (auto placed = placer.place_next(); !placed) return placed.error();
-    report(kPlacingShare * static_cast<double>(k + 1) / static_cast<double>(submaps.size()));
+    if (!goes_on(kPlacingShare * static_cast<double>(k + 1) / static_cast<double>(submaps.size())))
+      return optimization_given_up();
   }
   KeyFramePlacer improver(drive, submaps, placer.poses());
   for (int round = 0; round < kRounds; ++round) {
     const auto improved = improver.improve([&](double share) {
-      report(kPlacingShare + (1.0 - kPlacingShare) * (round + share) / kRounds);
+      return goes_on(kPlacingShare + (1.0 - kPlacingShare) * (round + share) / kRounds);
     });
     if (!improved) return improved.error();
   }
@@ -250,7 +254,7 @@ Result<OptimizedTrajectory> optimize_trajectory(std::span<const PosedScan> drive
   for (Pose2& pose : optimized.T_map_base_link) pose = T_first_map * pose;
   optimized.submaps = submaps.size();
   optimized.loop_closures = placer.closures();
-  report(1.0);
+  if (!goes_on(1.0)) return optimization_given_up();
   return optimized;
 }
 

@@ -191,6 +191,26 @@ class MapsTest(PageTest):
         self.find('#compare-with option[value=""]').click()
         self.wait_for(lambda: not self.text("#comparison"), "no comparison")
 
+    def test_a_map_is_rolled_back_to_a_former_revision(self):
+        self.import_map("room", self.room)
+        self.open("#map=room&tab=maps")
+        self.wait_for_grid()
+        self.assertFalse(self.is_shown("#revisions-panel"))
+        self.import_map("room", write_changed_room(self.directory, self.room))
+        self.wait_for_text("#revisions", "Revision 2")
+        self.assertRegex(self.text("#revisions"), r"Revision 2, .*by an occupancy map, \d+ corners\. In use\.")
+        self.screenshot("map-revisions")
+        self.find('[data-action="compare-revision"]').click()
+        self.find("#confirm-yes").click()
+        self.wait_for_text("#comparison", "differ from room.r1")
+        self.assertIn("room.r1", self.names())
+        self.find('[data-action="roll-back"]').click()
+        self.wait_for_text("#confirm-text", "those of revision 1")
+        self.find("#confirm-yes").click()
+        self.wait_for_text("#revisions", "Revision 3")
+        self.assertIn("by a roll-back", self.text("#revisions"))
+        self.wait_for_text("#comparison", "The walls are those of room.r1.")
+
     def test_maps_with_the_same_walls_do_not_differ(self):
         self.import_map("room", self.room)
         self.server.restore("copy", self.server.archive("room"))

@@ -21,5 +21,15 @@ TEST(EntityTag, IsNotNamedByOtherTagsOrBrokenLists) {
   }
 }
 
+TEST(EntityTag, IsRequiredByAListThatHasItAndNoWeakOne) {
+  for (const char* list :
+       {R"("a1-image/png")", R"("x", "a1-image/png")", R"(W/"y","a1-image/png")", "*"}) {
+    EXPECT_TRUE(requires_entity_tag(list, R"("a1-image/png")")) << list;
+  }
+  for (const char* list : {"", R"("a1")", R"(W/"a1-image/png")", "a1-image/png", R"("*")"}) {
+    EXPECT_FALSE(requires_entity_tag(list, R"("a1-image/png")")) << list;
+  }
+}
+
 }  // namespace
 }  // namespace cornerfix::server

@@ -216,6 +216,66 @@ TEST_F(JobServiceTest, FailsAJobThatServersHaveBegunTooOften) {
   EXPECT_THAT(find(id).problem, HasSubstr("3 times"));
 }
 
+TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) {
+  ASSERT_TRUE(process_.maps->put("office", {}));
+  std::vector<std::uint64_t> revisions;
+  std::atomic<bool> are_both_there{false};
+  const auto change = [&](const JobTask& task) -> Result<std::string> {
+    while (!are_both_there) std::this_thread::yield();
+    revisions.push_back(task.map_revision);
+    if (!process_.maps->put("office",
+                            {{}, R"({"angle_min": )" + std::to_string(revisions.size()) + "}", {}}))
+      return Error{};
+    return std::string("{}");
+  };
+  std::string last;
+  {
+    const auto service = serve(change);
+    ASSERT_TRUE(service->submit("work", "office", {}, storage::KnownMap{1}));
+    last = service->submit("work", "office", {}, storage::KnownMap{1}).value()->id;
+    are_both_there = true;
+    ASSERT_TRUE(becomes(last, JobStatus::kSucceeded));
+  }
+  EXPECT_EQ(revisions, (std::vector<std::uint64_t>{1, 2}));
+}
+
+TEST_F(JobServiceTest, WaitsForAJobUntilItIsFinished) {
+  const auto service = serve(echo);
+  const auto job = service->wait_for(submit(*service), std::chrono::seconds(60));
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->status, JobStatus::kSucceeded);
+  EXPECT_FALSE(service->wait_for("unknown", std::chrono::seconds(60)));
+}
+
+TEST_F(JobServiceTest, WaitsNoLongerThanAskedOrUntilItEnds) {
+  const auto service = serve(work_on);
+  const std::string id = submit(*service);
+  EXPECT_FALSE(is_finished(service->wait_for(id, std::chrono::seconds(0))->status));
+  std::thread closing([&] {
+    ASSERT_TRUE(becomes(id, JobStatus::kRunning));
+    service->close();
+  });
+  EXPECT_FALSE(is_finished(service->wait_for(id, std::chrono::seconds(3600))->status));
+  closing.join();
+}
+
+TEST_F(JobServiceTest, SaysHowLongTheWorkOfAJobTook) {
+  std::vector<std::string> ends;
+  {
+    JobService service(
+        process_.stores, {{"work", echo}},
+        {.now = [] { return kNow; },
+         .on_end =
+             [&](std::string_view kind, JobStatus status, double seconds) {
+               EXPECT_GE(seconds, 0.0);
+               ends.push_back(std::string(kind) + " " + std::string(to_string(status)));
+             },
+         .heartbeat = std::chrono::milliseconds(5)});
+    ASSERT_TRUE(becomes(submit(service), JobStatus::kSucceeded));
+  }
+  EXPECT_EQ(ends, std::vector<std::string>{"work succeeded"});
+}
+
 TEST_F(JobServiceTest, TriesAgainWhatMayWorkLater) {
   std::atomic<int> calls{0};
   const auto service = serve([&](const JobTask&) -> Result<std::string> {

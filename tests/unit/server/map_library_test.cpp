@@ -157,6 +157,31 @@ TEST_F(MapLibraryTest, TakesBatchesOfThreadsOneAfterTheOther) {
   EXPECT_EQ(maps_.grow("office", drive_)->duplicates, drive_.size());
 }
 
+TEST_F(MapLibraryTest, ChangesAMapAtTheExpectedRevisionOnly) {
+  make_map(process_, "office");
+  const std::uint64_t expected = maps_.find("office")->revision;
+  Process other(file());
+  ASSERT_TRUE(other.maps->put("office", {{}, {}, R"({"min_feature_count": 3})"}));
+  const auto before = *maps_.find("office");
+  PosedScan later = drive_.back();
+  later.scan.stamp += 1.0;
+  later.T_map_base_link.x += 1.0;
+  for (const Error& error :
+       {maps_.put("office", {"other", {}, {}}, expected).error(),
+        maps_.grow("office", std::span(&later, 1), expected).error(),
+        maps_.set_trajectory("office", trajectory({1.0, 0.0, 0.0}), expected).error(),
+        maps_.remove("office", expected).error(), maps_.put("office", {}, 0).error(),
+        maps_.put("nowhere", {}, expected).error()}) {
+    EXPECT_EQ(error.code, ErrorCode::kConflict);
+    EXPECT_EQ(error.field, "revision");
+  }
+  EXPECT_EQ(maps_.find("office")->digest, before.digest);
+  EXPECT_EQ(maps_.find("office")->description, before.description);
+  // What was made already is no conflict.
+  EXPECT_EQ(maps_.grow("office", drive_, expected)->duplicates, drive_.size());
+  EXPECT_TRUE(maps_.remove("office", before.revision));
+}
+
 TEST_F(MapLibraryTest, KeepsLoadedMapsUntilTheyChange) {
   make_map(process_, "office");
   const auto first = *maps_.load("office");

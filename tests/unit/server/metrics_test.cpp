@@ -57,6 +57,18 @@ TEST(Metrics, CountsAnswersByStatusAndReason) {
   EXPECT_THAT(text, HasSubstr("cornerfix_time_to_localization_seconds_bucket{le=\"10\"} 0"));
 }
 
+TEST(Metrics, CountsJobsByKindAndStatusAndTheirSeconds) {
+  Metrics metrics;
+  metrics.count_job("import", storage::JobStatus::kSucceeded, 2.0);
+  metrics.count_job("import", storage::JobStatus::kSucceeded, 3.0);
+  const std::string text = metrics.render({.jobs = {{"import", storage::JobStatus::kQueued, 4}}});
+  EXPECT_THAT(text, HasSubstr("cornerfix_jobs{kind=\"import\",status=\"queued\"} 4"));
+  EXPECT_THAT(text, HasSubstr("cornerfix_jobs{kind=\"mapping\",status=\"running\"} 0"));
+  EXPECT_THAT(text, HasSubstr("cornerfix_job_duration_seconds_sum{kind=\"import\",status="
+                              "\"succeeded\"} 5"));
+  EXPECT_THAT(metrics.render({}), HasSubstr("cornerfix_jobs{kind=\"import\",status=\"queued\"} 0"));
+}
+
 TEST(Metrics, TellsWhatTheServerUses) {
   Metrics metrics;
   metrics.count_shed("busy");

@@ -61,8 +61,64 @@ TEST_F(UnposedDriveTest, GoesOnInAnotherProcessAndLosesNothing) {
 TEST_F(UnposedDriveTest, TellsHowFarTheTrajectoryIsOptimised) {
   ASSERT_TRUE(maps_.grow("office", drive_));
   double share = 0.0;
-  ASSERT_TRUE(maps_.load("office", [&share](double done) { share = done; }));
+  ASSERT_TRUE(maps_.load("office", [&share](double done) {
+    share = done;
+    return true;
+  }));
   EXPECT_EQ(share, 1.0);
+}
+
+TEST_F(UnposedDriveTest, BecomesTheSameMapAsAWholeRun) {
+  ASSERT_TRUE(maps_.put("whole", {}));
+  ASSERT_TRUE(maps_.grow("office", drive_));
+  const auto expected = *maps_.load("office");
+  std::vector<std::string> stages;
+  const auto report = maps_.add_run("whole", drive_, [&](std::string_view stage, double share) {
+    EXPECT_GE(share, 0.0);
+    EXPECT_LE(share, 1.0);
+    if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+    return true;
+  });
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(stages, (std::vector<std::string>{"odometry", "trajectory", "storing"}));
+  EXPECT_EQ(report->accepted, drive_.size());
+  EXPECT_EQ(report->features, expected->features().size());
+  EXPECT_EQ(maps_.find("whole")->digest, maps_.find("office")->digest);
+  EXPECT_EQ(maps_.find("whole")->feature_count, expected->features().size());
+  // What was stored is read, with nothing to be optimised.
+  const auto stored = maps_.load("whole", [](double) { return false; });
+  ASSERT_TRUE(stored);
+  EXPECT_EQ((*stored)->grid(), expected->grid());
+  EXPECT_EQ(maps_
+                .add_run(
+                    "whole", drive_, [](std::string_view, double) { return true; }, 1)
+                ->duplicates,
+            drive_.size());
+}
+
+TEST_F(UnposedDriveTest, ChangesNothingWhenAWholeRunIsGivenUp) {
+  ASSERT_TRUE(maps_.grow("office", part(0, 20)));
+  const auto before = *maps_.find("office");
+  for (const std::string_view last : {"odometry", "trajectory", "storing"}) {
+    const auto left = maps_.add_run(
+        "office", part(20, 40), [last](std::string_view stage, double) { return stage != last; });
+    ASSERT_FALSE(left) << last;
+    EXPECT_EQ(left.error().code, ErrorCode::kUnavailable);
+    EXPECT_EQ(maps_.find("office")->digest, before.digest);
+    EXPECT_EQ(maps_.find("office")->revision, before.revision);
+  }
+  EXPECT_EQ(maps_.grow("office", part(20, 40))->accepted, 40U);
+}
+
+TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheExpectedRevisionOnly) {
+  ASSERT_TRUE(maps_.grow("office", part(0, 20)));
+  const auto changed = maps_.find("office")->revision;
+  const auto goes_on = [](std::string_view, double) { return true; };
+  const auto refused = maps_.add_run("office", part(20, 40), goes_on, changed - 1);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(maps_.find("office")->revision, changed);
+  EXPECT_TRUE(maps_.add_run("office", part(20, 40), goes_on, changed));
 }
 
 TEST_F(UnposedDriveTest, TakesNoScansAtPoses) {

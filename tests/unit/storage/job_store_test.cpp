@@ -55,6 +55,38 @@ TEST_P(JobStoreTest, GivesBackAJobAndItsInputAsTheyWere) {
   EXPECT_EQ(store_.input(job.number).value(), (JobInput{{"image", image}, {"yaml", yaml}}));
 }
 
+TEST_P(JobStoreTest, KeepsTheMapsRevisionWhereNoEarlierJobMayChangeIt) {
+  const auto add_change = [&](const std::string& id, const std::string& map, KnownMap known) {
+    return store_
+        .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
+        .value()
+        .value()
+        .number;
+  };
+  const auto revision = [&](std::int64_t job) { return map_revision(store_.input(job).value()); };
+  EXPECT_EQ(revision(add("report", "lab")), std::nullopt);
+  EXPECT_EQ(revision(add_change("a", "office", {7})), 7U);
+  const std::int64_t after = add_change("b", "office", {7});
+  EXPECT_EQ(revision(after), std::nullopt);
+  EXPECT_EQ(revision(add_change("c", "office", {7, true})), 7U);
+  EXPECT_EQ(revision(add_change("d", "hall", {0})), 0U);
+  ASSERT_TRUE(store_.keep_map_revision(after, 8));
+  EXPECT_EQ(revision(after), 8U);
+}
+
+TEST_P(JobStoreTest, CountsJobsByKindAndStatus) {
+  EXPECT_THAT(store_.counts().value(), IsEmpty());
+  for (const char* id : {"a", "b", "c"}) add(id);
+  ASSERT_TRUE(store_.cancel("b", "t1"));
+  const auto counts = store_.counts().value();
+  ASSERT_EQ(counts.size(), 2U);
+  EXPECT_EQ(counts[0].kind, "import");
+  EXPECT_EQ(counts[0].status, JobStatus::kCancelled);
+  EXPECT_EQ(counts[0].jobs, 1U);
+  EXPECT_EQ(counts[1].status, JobStatus::kQueued);
+  EXPECT_EQ(counts[1].jobs, 2U);
+}
+
 TEST_P(JobStoreTest, DoesNotKnowOtherJobs) {
   EXPECT_EQ(store_.find("a").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(store_.cancel("a", "t1").error().code, ErrorCode::kNotFound);

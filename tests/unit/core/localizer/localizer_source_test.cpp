@@ -171,6 +171,22 @@ TEST(LocalizerWithSource, SearchesTheMapOfAStartRegionOnly) {
   EXPECT_EQ(count_wrong(answers, moments), 0U);
 }
 
+TEST(LocalizerWithSource, FindsTheRobotNearAPlaceInOneOfManyMaps) {
+  const auto source = source_of_others();
+  source->add(1, storey_map(kSeed, "own"));
+  // More than are all searched.
+  for (std::size_t i = 0; i < 40; ++i) source->add(static_cast<MapKey>(2000 + i), other_maps()[i]);
+  Localizer localizer(source, {}, {});
+  const std::vector<Moment> moments = storey_drive(80);
+  localizer.reset(
+      StartRegion{.center = moments.front().T_map_base_link.translation(), .radius_m = 2.0});
+  const std::vector<Answer> answers = answers_of(localizer, moments);
+  EXPECT_EQ(count_wrong(answers, moments), 0U);
+  ASSERT_TRUE(answers.back().pose) << to_string(answers.back().reason);
+  EXPECT_EQ(answers.back().pose->map->name(), "own");
+  EXPECT_TRUE(answers.back().is_given_region);
+}
+
 TEST(LocalizerWithSource, ContinuesInTheMapOfARestoredState) {
   const auto source = source_of_others();
   source->add(1, storey_map(kSeed, "own"));
@@ -242,13 +258,17 @@ TEST(LocalizerWithSource, StatesThatCornersAreFewAmongMoreMapsThanAreAllSearched
   for (std::size_t i = 0; i < 40; ++i) source->add(static_cast<MapKey>(2000 + i), other_maps()[i]);
   SceneBuilder scene;
   scene.wall({-30.0, 2.0}, {2.0, 2.0}).wall({2.0, 2.0}, {2.0, 30.0});
-  Localizer localizer(source, {}, {});
   std::vector<Pose2> poses;
   for (int i = 0; i < 24; ++i) poses.push_back({-0.3 * i, 0.0, 0.0});
-  for (const Answer& answer : answers_of(localizer, drive(scene, {}, poses, 7))) {
-    EXPECT_EQ(answer.status, Status::kCollecting);
-    EXPECT_EQ(answer.reason, Reason::kFewFeatures);
-    EXPECT_LE(answer.confidence, 0.5 + 1e-9);
+  const std::vector<Moment> moments = drive(scene, {}, poses, 7);
+  for (const bool is_near : {false, true}) {
+    Localizer localizer(source, {}, {});
+    if (is_near) localizer.reset(StartRegion{.center = {5.0, 5.0}, .radius_m = 2.0});
+    for (const Answer& answer : answers_of(localizer, moments)) {
+      EXPECT_EQ(answer.status, Status::kCollecting);
+      EXPECT_EQ(answer.reason, Reason::kFewFeatures);
+      EXPECT_LE(answer.confidence, 0.5 + 1e-9);
+    }
   }
 }
 

@@ -96,10 +96,21 @@ TEST(TrajectoryOptimizer, GivesTheSameTwice) {
 TEST(TrajectoryOptimizer, TellsItsProgressUpToTheEnd) {
   const Drive& drive = true_drive();
   std::vector<double> shares;
-  ASSERT_TRUE(optimize_trajectory(std::span(drive.drifting).first(60),
-                                  [&](double share) { shares.push_back(share); }));
+  ASSERT_TRUE(optimize_trajectory(std::span(drive.drifting).first(60), [&](double share) {
+    shares.push_back(share);
+    return true;
+  }));
   EXPECT_TRUE(std::ranges::is_sorted(shares));
   EXPECT_EQ(shares.back(), 1.0);
+}
+
+TEST(TrajectoryOptimizer, IsGivenUpAtAnyStage) {
+  const auto part = std::span(true_drive().drifting).first(60);
+  for (const double end : {0.0, 0.5, 0.7, 1.0}) {
+    const auto left = optimize_trajectory(part, [end](double share) { return share < end; });
+    ASSERT_FALSE(left) << end;
+    EXPECT_EQ(left.error().code, ErrorCode::kUnavailable);
+  }
 }
 
 TEST(TrajectoryOptimizer, TakesADriveOfOneKeyFrameOrNone) {
