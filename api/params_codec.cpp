@@ -39,11 +39,11 @@ void visit_members(LocalizerParams& params, Visitor&& visit) {
   visit("method", params.method);
   visit("extractor", params.extractor);
   visit("seed", params.seed);
-  visit("min_features", params.min_features);
-  visit("min_votes", params.min_votes);
-  visit("max_matches", params.max_matches);
-  visit("sampling", params.sampling);
-  visit("estimator", params.estimator);
+  visit("min_features", params.paper.min_features);
+  visit("min_votes", params.paper.min_votes);
+  visit("max_matches", params.paper.max_matches);
+  visit("sampling", params.paper.sampling);
+  visit("estimator", params.paper.estimator);
   visit("search_budget_ms", params.search_budget_ms);
   visit("acceptance", params.acceptance);
 }

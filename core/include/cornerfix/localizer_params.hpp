@@ -50,23 +50,31 @@ struct AcceptanceParams {
   double min_mean_gap = 0.02;  ///< The same a hit: identical rooms stay below; >= 0.
 };
 
+/// Of the paper's methods, kRma and kNma; kIndexed uses none of them.
+struct PaperParams {
+  int min_features = 4;         ///< Submap features before matching is tried; >= 3.
+  int min_votes = 4;            ///< S_t of algorithm 3; >= 1.
+  int max_matches = 8;          ///< Matches tried as hypotheses a scan; in [1, 1000].
+  SampledMatchParams sampling;  ///< Of kRma; its seed is drawn from that of LocalizerParams.
+  PoseEstimatorParams estimator;
+};
+
+/// docs/method/11-parameters.md has the source of each default.
 struct LocalizerParams {
   Method method = Method::kIndexed;
   CornerExtractor extractor =
       CornerExtractor::kLineIntersection;  ///< That of the maps, for good matches.
   std::uint64_t seed = 1;                  ///< Of all random draws.
-  int min_features = 4;                    ///< Submap features before matching is tried; >= 3.
-  int min_votes = 4;                       ///< S_t of algorithm 3; >= 1.
-  int max_matches = 8;                     ///< Matches tried as hypotheses a scan; >= 1.
-  SampledMatchParams sampling;             ///< Of kRma; its seed is drawn from `seed`.
-  PoseEstimatorParams estimator;
   /// Work of one scan in searches of whole maps, as time of one core on the machine of
   /// docs/results.md [ms]; > 0. It counts operations, so answers do not depend on the clock. A
   /// longer search continues at the next scans.
   double search_budget_ms = 40.0;
   AcceptanceParams acceptance;
+  PaperParams paper;
 };
 
+/// `field` of an error is the name on the wire, where the members of `paper` stand beside the
+/// others.
 [[nodiscard]] std::optional<Error> validate(const LocalizerParams& params);
 
 /// Poses that base_link may have at the first scan after Localizer::reset(). Poses outside are not

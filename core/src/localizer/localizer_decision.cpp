@@ -86,7 +86,7 @@ void Localizer::Impl::decide(const View& view) {
   if (candidates.empty()) {
     const bool few_features =
         params.method != Method::kIndexed &&
-        submap.features().size() < static_cast<std::size_t>(params.min_features);
+        submap.features().size() < static_cast<std::size_t>(params.paper.min_features);
     reason = few_features ? Reason::kFewFeatures : no_match();
     if (search.only_mirror_image_fits()) reason = Reason::kMirroredScans;
     if (unsearched() != Reason::kNone) reason = unsearched();

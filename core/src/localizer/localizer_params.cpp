@@ -32,11 +32,11 @@ std::optional<Error> validate(const LocalizerParams& params) {
   const auto broken = [](const char* field, const char* message) {
     return Error{ErrorCode::kInvalidArgument, message, field};
   };
-  if (params.min_features < 3) return broken("min_features", "must be at least 3");
-  if (params.min_votes < 1) return broken("min_votes", "must be at least 1");
-  if (params.max_matches < 1 || params.max_matches > 1000)
+  if (params.paper.min_features < 3) return broken("min_features", "must be at least 3");
+  if (params.paper.min_votes < 1) return broken("min_votes", "must be at least 1");
+  if (params.paper.max_matches < 1 || params.paper.max_matches > 1000)
     return broken("max_matches", "must be in [1, 1000]");
-  const SampledMatchParams& sampling = params.sampling;
+  const SampledMatchParams& sampling = params.paper.sampling;
   if (!(sampling.success_probability > 0.0 && sampling.success_probability < 1.0)) {
     return broken("sampling.success_probability", "must be in (0, 1)");
   }
@@ -50,7 +50,7 @@ std::optional<Error> validate(const LocalizerParams& params) {
   if (!(acceptance.min_gap >= 0.0)) return broken("acceptance.min_gap", "must not be negative");
   if (!(acceptance.min_mean_gap >= 0.0))
     return broken("acceptance.min_mean_gap", "must not be negative");
-  if (auto error = validate(params.estimator)) {
+  if (auto error = validate(params.paper.estimator)) {
     error->field = "estimator." + error->field;
     return error;
   }

@@ -98,7 +98,7 @@ void GlobalSearch::consider(const LocalizationMap& map, const View& view,
 void GlobalSearch::propose(Maps maps, const View& view, std::uint64_t seed) {
   proposed_.clear();
   if (params_.method != Method::kIndexed) {
-    if (view.corners.size() >= static_cast<std::size_t>(params_.min_features))
+    if (view.corners.size() >= static_cast<std::size_t>(params_.paper.min_features))
       match_descriptors(maps, view, seed);
   } else if (is_due(matched_, view, kGrowth, kWay)) {
     match_corners(maps, view, seed);
@@ -125,10 +125,10 @@ void GlobalSearch::match_corners(Maps maps, const View& view, std::uint64_t seed
 
 /// NMA or RMA, RANSAC on the pairs of the best matches (eqs. 15-18).
 void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t seed) {
-  const auto max_matches = static_cast<std::size_t>(params_.max_matches);
-  SampledMatchParams sampling = params_.sampling;
+  const auto max_matches = static_cast<std::size_t>(params_.paper.max_matches);
+  SampledMatchParams sampling = params_.paper.sampling;
   sampling.seed = seed;
-  PoseEstimatorParams estimator = params_.estimator;
+  PoseEstimatorParams estimator = params_.paper.estimator;
   estimator.seed = params_.seed;
   for (std::size_t map = 0; map < maps.size(); ++map) {
     if (!may_be_in(*maps[map])) continue;
@@ -137,8 +137,8 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
     const DescriptorSet local = describe(view.corners, index.params());
     const std::vector<DescriptorMatch> matches =
         params_.method == Method::kNma
-            ? match_exhaustive(local, index, params_.min_votes, max_matches)
-            : match_sampled(local, index, params_.min_votes, max_matches, sampling);
+            ? match_exhaustive(local, index, params_.paper.min_votes, max_matches)
+            : match_sampled(local, index, params_.paper.min_votes, max_matches, sampling);
     for (const DescriptorMatch& match : matches) {
       std::vector<Correspondence> correspondences;
       const auto global = describe_one(mapped, match.global_feature, index.params());

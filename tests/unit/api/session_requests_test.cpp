@@ -36,7 +36,7 @@ TEST(CreateSession, AppliesOptionsToTheDefaults) {
   EXPECT_EQ(request.params.extractor, CornerExtractor::kVfp);
   EXPECT_EQ(request.params.seed, 18446744073709551615ULL);
   EXPECT_EQ(request.params.acceptance.min_probability, 0.99);
-  EXPECT_EQ(request.params.min_votes, LocalizerParams{}.min_votes);
+  EXPECT_EQ(request.params.paper.min_votes, LocalizerParams{}.paper.min_votes);
   EXPECT_EQ(params_from_json(request.options_json).acceptance.min_probability, 0.99);
   EXPECT_EQ(params_from_json(request.options_json).seed, request.params.seed);
 }

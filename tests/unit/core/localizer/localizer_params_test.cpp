@@ -27,14 +27,15 @@ TEST(LocalizerParams, NamesOfMethodsLeadBackToThem) {
 }
 
 TEST(LocalizerParams, ErrorsNameTheField) {
-  EXPECT_EQ(broken_field([](auto& p) { p.min_features = 2; }), "min_features");
-  EXPECT_EQ(broken_field([](auto& p) { p.min_votes = 0; }), "min_votes");
+  EXPECT_EQ(broken_field([](auto& p) { p.paper.min_features = 2; }), "min_features");
+  EXPECT_EQ(broken_field([](auto& p) { p.paper.min_votes = 0; }), "min_votes");
   EXPECT_EQ(broken_field([](auto& p) { p.search_budget_ms = 0.0; }), "search_budget_ms");
-  EXPECT_EQ(broken_field([](auto& p) { p.max_matches = 0; }), "max_matches");
-  EXPECT_EQ(broken_field([](auto& p) { p.sampling.overlap = 0.0; }), "sampling.overlap");
-  EXPECT_EQ(broken_field([](auto& p) { p.sampling.success_probability = 1.0; }),
+  EXPECT_EQ(broken_field([](auto& p) { p.paper.max_matches = 0; }), "max_matches");
+  EXPECT_EQ(broken_field([](auto& p) { p.paper.sampling.overlap = 0.0; }), "sampling.overlap");
+  EXPECT_EQ(broken_field([](auto& p) { p.paper.sampling.success_probability = 1.0; }),
             "sampling.success_probability");
-  EXPECT_EQ(broken_field([](auto& p) { p.estimator.min_inliers = 1; }), "estimator.min_inliers");
+  EXPECT_EQ(broken_field([](auto& p) { p.paper.estimator.min_inliers = 1; }),
+            "estimator.min_inliers");
   EXPECT_EQ(broken_field([](auto& p) { p.acceptance.min_probability = 1.0; }),
             "acceptance.min_probability");
   EXPECT_EQ(broken_field([](auto& p) { p.acceptance.min_gap = -1.0; }), "acceptance.min_gap");
@@ -44,7 +45,7 @@ TEST(LocalizerParams, ErrorsNameTheField) {
 
 TEST(LocalizerParams, NotANumberIsNeverValid) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(broken_field([&](auto& p) { p.sampling.overlap = nan; }), "sampling.overlap");
+  EXPECT_EQ(broken_field([&](auto& p) { p.paper.sampling.overlap = nan; }), "sampling.overlap");
   EXPECT_EQ(broken_field([&](auto& p) { p.acceptance.min_gap = nan; }), "acceptance.min_gap");
 }
 
