@@ -21,6 +21,7 @@ void FrameTree::add(const StampedTransform& transform, Origin origin) {
   if (!has_another_parent(transform)) return insert(transform, origin);
   const auto above = edges_.find(transform.parent);
   if (above != edges_.end() && above->second.parent != transform.child) return;
+  if (is_below(transform.child, transform.parent)) return;  // it would close a cycle
   insert({transform.stamp, transform.child, transform.parent, transform.T_parent_child.inverse()},
          origin);
 }
@@ -33,6 +34,15 @@ bool FrameTree::has_another_parent(const StampedTransform& transform) const {
   if (edge.origin == Origin::kStatic) return true;
   const auto last = edge.track.last_stamp();
   return last && std::abs(transform.stamp - *last) <= kAliveSeconds;
+}
+
+bool FrameTree::is_below(const std::string& frame, const std::string& above) const {
+  auto edge = edges_.find(frame);
+  for (std::size_t depth = 0; depth < kMaxDepth && edge != edges_.end(); ++depth) {
+    if (edge->second.parent == above) return true;
+    edge = edges_.find(edge->second.parent);
+  }
+  return false;
 }
 
 void FrameTree::insert(const StampedTransform& transform, Origin origin) {

@@ -66,6 +66,7 @@ class FrameTree {
   };
 
   [[nodiscard]] bool has_another_parent(const StampedTransform& transform) const;
+  [[nodiscard]] bool is_below(const std::string& frame, const std::string& above) const;
   void insert(const StampedTransform& transform, Origin origin);
 
   std::unordered_map<std::string, Edge> edges_;  ///< By child.

@@ -19,7 +19,8 @@ enum class LogFormat {
 /// spdlog::info(), are members "message" in JSON.
 void begin_log(LogFormat format);
 
-/// Text of others, which then cannot begin a line of the log or command a terminal.
+/// Escapes control characters, so that foreign text cannot begin a line of the log or command a
+/// terminal.
 [[nodiscard]] std::string printable(std::string_view text);
 
 using LogValue = std::variant<std::string_view, double, std::int64_t>;

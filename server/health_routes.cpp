@@ -15,7 +15,7 @@ Response ready(const Services& services, const Request& request) {
   return json_response(200, R"({"status":"ready"})");
 }
 
-/// Of a database that cannot be asked, the other metrics are wanted all the more.
+/// None if the database fails: the other metrics are answered all the same.
 std::vector<storage::JobCount> job_counts(const Services& services) {
   auto counts = services.jobs->counts();
   return counts ? std::move(*counts) : std::vector<storage::JobCount>();

@@ -25,7 +25,7 @@ inline constexpr std::array kJobKinds = {kImportJob, kMappingJob, kReportJob, kR
                                           const std::shared_ptr<ReportService>& reports,
                                           const api::RequestLimits& limits);
 
-/// A run may have any number of scans.
+/// A run may have any number of scans, up to the values that a document may have.
 [[nodiscard]] api::RequestLimits limits_of_runs(api::RequestLimits limits);
 
 }  // namespace cornerfix::server

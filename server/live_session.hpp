@@ -119,7 +119,7 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
 
   /// Whether the store has all that is needed to go on without the localizer.
   [[nodiscard]] bool can_release_localizer() const {
-    return localizer && is_current && !unstored_since;
+    return localizer && is_current && !unstored_since && !is_searching;
   }
   /// Its maps are free then; the session is read from the store before its next use.
   void release_localizer();

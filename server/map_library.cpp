@@ -43,7 +43,7 @@ std::vector<PosedScan> moved_to(std::span<const Pose2> T_map_base_link,
 
 /// That a map cannot be made of what is stored, so that the asker can do nothing about it but
 /// change the map.
-Error too_large_now(const Error& error) { return {ErrorCode::kConflict, error.message, ""}; }
+Error too_large_now(const Error& error) { return {ErrorCode::kConflict, error.message, "map"}; }
 
 Error another_map(const std::string& name) {
   return {ErrorCode::kNotFound, "the map " + name + " was changed or replaced", ""};

@@ -29,8 +29,8 @@ namespace cornerfix::server {
 using NowText = std::function<std::string()>;
 
 struct MapLibraryLimits {
-  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps, those in use too.
-  std::size_t max_mappers = 4;                          ///< Growing maps kept in memory.
+  std::size_t max_map_bytes = std::size_t{1} << 30U;  ///< Of loaded maps, those in use too.
+  std::size_t max_mappers = 4;                        ///< Growing maps kept in memory.
 };
 
 /// What a mapping batch did, and where the map stands after it.

@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <charconv>
 #include <chrono>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -69,9 +72,10 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
   return response;
 }
 
-/// Names what a change of the map is to start from. A description changes `updated` only.
+/// Names what a change of the map is to start from.
 std::string entity_tag_of(const MapInfo& info) {
-  return "\"" + std::to_string(info.revision) + "-" + info.digest + "-" + info.updated + "\"";
+  return fmt::format("\"{}-{}-{:x}\"", info.revision, info.digest,
+                     std::hash<std::string>{}(info.description));
 }
 
 /// Whether an If-Match header names the map as it is, by its tag or its digest.
@@ -167,7 +171,7 @@ class MapRoutes {
     if (is_run) {
       return accept_change_job(
           request, kMappingJob,
-          {{"run", request.body}, {"type", api::media_type(request.body_format)}});
+          {{"run", request.body}, {"type", api::media_type(request.body_format)}}, *expected);
     }
     const auto report = batch.unposed_scans.empty()
                             ? maps().grow(name, batch.scans, *expected)
@@ -207,7 +211,7 @@ class MapRoutes {
     if (request.preference.respond_async) {
       return accept_change_job(
           request, kImportJob,
-          {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}});
+          {{"yaml", request.parts.at("yaml")}, {"image", request.parts.at("image")}}, *expected);
     }
     const auto report =
         maps().put_floor_map(name, request.parts.at("yaml"),
@@ -370,12 +374,13 @@ class MapRoutes {
   }
 
   /// Of a job that changes the map, or makes it.
-  Response accept_change_job(const Request& request, const char* kind, const JobInputView& input) {
+  Response accept_change_job(const Request& request, const char* kind, const JobInputView& input,
+                             const ExpectedRevision& expected) {
+    if (expected) return accept_job(services_, request, kind, input, KnownMap{*expected, true});
     const auto info = maps().find(request.captures[0]);
     if (!info && info.error().code != ErrorCode::kNotFound)
       return error_response(request, info.error());
-    return accept_job(services_, request, kind, input,
-                      KnownMap{info ? info->revision : 0, request.if_match.has_value()});
+    return accept_job(services_, request, kind, input, KnownMap{info ? info->revision : 0, false});
   }
 
   Response accept_report_job(const Request& request) {

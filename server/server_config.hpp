@@ -64,7 +64,7 @@ struct ServerConfig {
   std::size_t max_wrong_tokens = 20;  ///< Different ones of an address within a minute; then
   int lockout_s = 60;                 ///< it is locked out for so long.
 
-  std::size_t max_map_bytes = std::size_t{512} << 20U;  ///< Of loaded maps kept for the next asker.
+  std::size_t max_map_bytes = std::size_t{1} << 30U;  ///< Of loaded maps, those in use too.
   /// Of the maps that one session searches together; with more, its batches are answered 409.
   std::size_t max_searched_map_bytes = std::size_t{4} << 30U;
   std::size_t max_mappers = 4;    ///< Growing maps kept in memory.

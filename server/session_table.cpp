@@ -59,27 +59,18 @@ void SessionTable::forget_least_used(std::size_t max_bytes) {
 
 void SessionTable::release_localizers(const std::function<bool()>& has_room) {
   if (has_room()) return;
-  struct Idle {
-    bool is_searching = false;
-    Clock::duration age{};  ///< Of those within a search, its opposite.
-    LiveSession* session = nullptr;
-  };
   const std::lock_guard lock(mutex_);
-  std::vector<Idle> idle;
+  std::vector<std::pair<Clock::time_point, LiveSession*>> idle;
   for (const auto& [id, session] : sessions_) {
     if (session.use_count() > 1) continue;
     // Nobody waits for it: who takes a session needs the table's mutex first.
     const std::lock_guard session_lock(session->mutex);
-    if (!session->can_release_localizer()) continue;
-    const Clock::duration age = -session->last_used.time_since_epoch();
-    idle.push_back({session->is_searching, session->is_searching ? -age : age, session.get()});
+    if (session->can_release_localizer()) idle.emplace_back(session->last_used, session.get());
   }
-  std::ranges::sort(idle, [](const Idle& a, const Idle& b) {
-    return std::pair(a.is_searching, b.age) < std::pair(b.is_searching, a.age);
-  });
-  for (const Idle& one : idle) {
-    const std::lock_guard session_lock(one.session->mutex);
-    one.session->release_localizer();
+  std::ranges::sort(idle);
+  for (const auto& [last_used, session] : idle) {
+    const std::lock_guard session_lock(session->mutex);
+    session->release_localizer();
     if (has_room()) return;
   }
 }

@@ -37,9 +37,8 @@ class SessionTable {
   /// tenth of the room is then free, so that not every batch has to look.
   void forget_least_used(std::size_t max_bytes);
 
-  /// Until `has_room`, takes their localizers from sessions that are not in use: those that were
-  /// not taken for longest first. Then from those within a search, which would begin anew, the
-  /// newest first: so some come to an end.
+  /// Until `has_room`, releases the localizers of sessions that are not in use, the least recently
+  /// used first. A search that goes on with the next scan keeps its localizer: it would begin anew.
   void release_localizers(const std::function<bool()>& has_room);
 
   [[nodiscard]] SessionCounts count_by_status();

@@ -195,8 +195,9 @@ std::vector<Setting> storage_settings() {
   return {
       integer("min_free_bytes", &ServerConfig::min_free_bytes, kBytes,
               "Free on the database's disk; below, /readyz is 503"),
-      integer("max_map_bytes", &ServerConfig::max_map_bytes, kBytes,
-              "Of loaded maps that stay in memory for later requests"),
+      integer(
+          "max_map_bytes", &ServerConfig::max_map_bytes, kBytes,
+          "Of loaded maps, those that robots hold included; the least recently used are released"),
       integer("max_searched_map_bytes", &ServerConfig::max_searched_map_bytes, kBytes,
               "Of maps that one session searches; with more, its batches are answered 409"),
       integer("max_mappers", &ServerConfig::max_mappers, {1, 10'000},

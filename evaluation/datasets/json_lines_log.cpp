@@ -107,6 +107,7 @@ class JsonLinesParser final : public ScanParser {
       } else {
         header_ = {};
         named_beams_.reset();
+        time_increment_ = 0.0;
         read_header(document.get_object());
       }
       // Only at the end there is no location.
@@ -151,7 +152,8 @@ class JsonLinesParser final : public ScanParser {
 
   /// Whether the line read as a scan begins another log behind the first one.
   [[nodiscard]] bool is_header(const LogScan& scan) const {
-    return !has_stamp_ && scan.scan.ranges.empty() && missing_geometry().empty();
+    return !has_stamp_ && !members_.contains("ranges") && scan.scan.ranges.empty() &&
+           missing_geometry().empty();
   }
 
   /// What the header, or a scan in its place, does not have.

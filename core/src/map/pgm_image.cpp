@@ -114,7 +114,7 @@ bool has_converted_line_ends(std::string_view rest, std::size_t pixel_bytes) {
   return line_ends > 1 && rest.size() == 1 + pixel_bytes + line_ends;
 }
 
-/// P5: a byte a value, or two with the higher first. `pixels` begin with the end of the header.
+/// P5: a byte per value, or two with the higher first. `pixels` begin with the end of the header.
 Result<void> read_binary_pixels(std::string_view pixels, const std::vector<Cell>& classes,
                                 ImageRows& rows) {
   const std::size_t bytes_per_value = classes.size() > 256 ? 2 : 1;

@@ -29,7 +29,7 @@ bool is_scan(MessageKind kind) {
 
 bool gives_scans(MessageKind kind) { return is_scan(kind) || kind == MessageKind::kPointCloud; }
 
-/// Nothing of what cannot be read.
+/// Ignores messages that cannot be read.
 void look_at_scan(const RecordedMessage& message, SurveyedTopic& topic) {
   if (message.kind == MessageKind::kPointCloud) {
     const auto cloud = parse_point_cloud(message.bytes, message.format);

@@ -145,6 +145,16 @@ TEST(FrameTree, PassesOverASecondParentThatHasAParent) {
   EXPECT_FALSE(frames.find("odom", "laser", 1.0));
 }
 
+TEST(FrameTree, PassesOverASecondParentThatIsAboveAlready) {
+  FrameTree frames;
+  frames.add(moved(1.0, "base_footprint", "base_link", 0.1), kStatic);
+  frames.add(moved(1.0, "odom", "base_footprint", 2.0), kTf);
+  frames.add(moved(1.0, "odom", "base_link", 2.2), kTf);  // of a filter beside the wheels
+  frames.add(moved(1.0, "map", "odom", 5.0), kTf);
+  EXPECT_EQ(frames.ancestors("base_link", 1.0).size(), 4U);
+  EXPECT_NEAR(frames.find("map", "base_link", 1.0)->transform.translation().x(), 7.1, 1e-12);
+}
+
 TEST(FrameTree, ReplacesAParentThatIsNoLongerPublished) {
   FrameTree frames;
   frames.add(moved(1.0, "gripper", "box", 0.3), kTf);

@@ -223,8 +223,9 @@ TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) 
   const auto change = [&](const JobTask& task) -> Result<std::string> {
     while (!are_both_there) std::this_thread::yield();
     revisions.push_back(task.map_revision);
-    if (!process_.maps->put("office",
-                            {{}, R"({"angle_min": )" + std::to_string(revisions.size()) + "}", {}}))
+    if (!process_.maps->put(
+            "office",
+            {{}, api::Lidar{.angle_min = 0.1 * static_cast<double>(revisions.size())}, {}}))
       return Error{};
     return std::string("{}");
   };

@@ -155,6 +155,14 @@ TEST_F(OddLogs, ReadsScansWithTheirOwnGeometryWithoutAHeader) {
   EXPECT_EQ(log->header.name, "a");
 }
 
+TEST_F(OddLogs, MissesTheStampOfAScanThatIsEmpty) {
+  const auto log = LogReader::open(directory_.write(
+      "a.jsonl",
+      R"({"angle_min": 0, "angle_increment": 0.01, "range_min": 0, "range_max": 30, "ranges": []})"));
+  ASSERT_FALSE(log.ok());
+  EXPECT_THAT(log.error().message, HasSubstr("t: "));
+}
+
 TEST_F(OddLogs, TakesTheGeometryOfASecondHeader) {
   const std::string second =
       R"({"name": "b", "beams": 2, "angle_min": 0, "angle_increment": 0.5, "range_max": 9})"
