@@ -242,10 +242,10 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     if (!api::is_valid_name(name)) return invalid_map_name();
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    if (const auto expected = expected_revision(request); !expected)
-      return change_error(request, expected.error());
+    const auto expected = expected_revision(request);
+    if (!expected) return change_error(request, expected.error());
     if (request.preference.respond_async)
-      return accept_change_job(request, kRestoreJob, {{"archive", request.body}});
+      return accept_change_job(request, kRestoreJob, {{"archive", request.body}}, *expected);
     const auto bytes = std::as_bytes(std::span(request.body));
     const auto info =
         maps().restore(name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});

@@ -223,10 +223,9 @@ TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) 
   const auto change = [&](const JobTask& task) -> Result<std::string> {
     while (!are_both_there) std::this_thread::yield();
     revisions.push_back(task.map_revision);
-    if (!process_.maps->put(
-            "office",
-            {{}, api::Lidar{.angle_min = 0.1 * static_cast<double>(revisions.size())}, {}}))
-      return Error{};
+    api::Lidar lidar;
+    lidar.angle_min = 0.1 * static_cast<double>(revisions.size());
+    if (!process_.maps->put("office", {{}, lidar, {}})) return Error{};
     return std::string("{}");
   };
   std::string last;
