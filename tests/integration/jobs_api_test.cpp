@@ -310,11 +310,12 @@ void leave_import_behind(const std::filesystem::path& database, std::uint64_t ma
   storage::JobStore jobs(
       storage::Database::open(database.string(), storage::Synchronous::kFull).value());
   const storage::BlobView text(reinterpret_cast<const std::uint8_t*>(yaml.data()), yaml.size());
+  const storage::BlobView pixels(reinterpret_cast<const std::uint8_t*>(image.data()), image.size());
   ASSERT_TRUE(jobs.insert({.id = "left",
                            .kind = "import",
                            .map = "plan",
                            .created = "t0",
-                           .input = {{"yaml", text}, {"image", image}},
+                           .input = {{"yaml", text}, {"image", pixels}},
                            .known_map = storage::KnownMap{map_revision}},
                           {}));
   ASSERT_TRUE(jobs.claim("dead", {}, "t1").value());
