@@ -80,14 +80,14 @@ template <typename Routes>
   return [&router, routes = std::move(routes)](const char* method, const char* pattern,
                                                Access access, BodyRule body,
                                                Response (Routes::*handler)(const Request&),
-                                               std::vector<std::string> parameters = {}) {
+                                               const std::vector<std::string>& parameters = {}) {
     router.add({.method = method,
                 .pattern = pattern,
                 .access = access,
                 .body = body,
                 .handler = [routes, handler](
                                const Request& request) { return ((*routes).*handler)(request); },
-                .parameters = std::move(parameters)});
+                .parameters = parameters});
   };
 }
 
