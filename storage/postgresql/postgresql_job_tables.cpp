@@ -57,6 +57,7 @@ class PostgresqlJobTables : public JobTables {
     const PostgresqlRows rows = connection_.execute(
         "SELECT kind, status, count(*) FROM jobs GROUP BY kind, status ORDER BY 1, 2");
     std::vector<JobCount> counts;
+    counts.reserve(static_cast<std::size_t>(rows.size()));
     for (int row = 0; row < rows.size(); ++row) {
       counts.push_back({rows.text(row, 0), job_status_from(rows.text(row, 1)),
                         static_cast<std::size_t>(rows.number(row, 2))});
