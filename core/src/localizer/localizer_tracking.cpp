@@ -12,7 +12,7 @@ constexpr double kReviewDistance = 1.5;  // [m] between searches of the whole ma
 constexpr double kConfirmedReviewDistance = 20.0;
 constexpr double kConfirmDistance = 3.0;  // [m] after the acceptance
 
-// With more, an error of 0.5 m is within two standard deviations [m].
+// A less certain pose is withdrawn: 0.5 m are within two standard deviations [m].
 constexpr double kMaxPositionSigma = 0.25;
 
 // Withdrawal of a pose.

@@ -33,8 +33,7 @@ struct ScanRefinerParams {
   double sigma_point_m =
       0.10;                 ///< What a point is worth against the prior and in the covariance; > 0.
   int max_iterations = 10;  ///< >= 1
-  double normal_error_rad =
-      0.0;  ///< By which the walls' normals are off in observed_information().
+  double normal_error_rad = 0.0;  ///< Error of the walls' normals, in observed_information(); >= 0.
 };
 
 struct RefinedPose {
@@ -59,8 +58,9 @@ template <typename Field>
                                  const std::optional<PosePrior>& prior = std::nullopt);
 
 /// Information of x, y, yaw from points matched to walls, along the axes of the frame, without any
-/// prior. Singular where they do not constrain the pose (along a bare corridor): the normals of
-/// walls are off by `normal_error_rad`, and what such errors look like does not count. O(points).
+/// prior. Singular where they do not constrain the pose (along a bare corridor). What errors of
+/// `normal_error_rad` in the normals add is subtracted (docs/method/06-tracking.md, section 6.2).
+/// O(points).
 template <typename Field>
 [[nodiscard]] Eigen::Matrix3d observed_information(const Field& field,
                                                    std::span<const Point2> points_base_link,

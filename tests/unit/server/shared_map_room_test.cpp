@@ -48,5 +48,25 @@ TEST_F(SharedMapRoom, LoadsAReleasedMapForTheRobotThatNeedsIt) {
   EXPECT_EQ(process.maps->cache_use().loads, 2 * kBatches);
 }
 
+TEST_F(SharedMapRoom, DoesNotBeginASearchAnewForAnotherRobot) {
+  constexpr std::size_t kBatches = 20;
+  Process process(file(), {.max_map_bytes = 1});
+  std::vector<std::string> ids;
+  for (const char* map : {"office", "second"}) {
+    api::CreateSessionRequest request = session_of(map, {map});
+    request.params.search_budget_ms = 0.05;  // A search takes several batches.
+    request.options_json = R"({"search_budget_ms": 0.05})";
+    ids.push_back(process.localization.create(request).value().value().id);
+  }
+  std::string first;
+  std::string last;
+  for (std::size_t i = 0; i < kBatches; ++i) {
+    for (const std::string& id : ids) last = answer(process, id, batch(i, 1));
+    if (i == 0) first = last;
+  }
+  EXPECT_THAT(first, HasSubstr("collecting"));
+  EXPECT_THAT(last, HasSubstr("localized in second"));
+}
+
 }  // namespace
 }  // namespace cornerfix::server
