@@ -242,7 +242,7 @@ void write_sample_header(std::ostream& csv) {
   EvidenceScore one_of_each;
   one_of_each.end_counts.fill(1);
   one_of_each.pass_counts.fill(1);
-  csv << "log,start,way_m,near_m,right,has_margin";
+  csv << "log,start,distance_m,near_m,right,has_margin";
   for (const char* pose : {"best", "second"}) {
     for (const EvidenceClass& hits : hits_by_class(one_of_each))
       csv << ',' << pose << "_hits_" << hits.name;

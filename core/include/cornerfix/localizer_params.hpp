@@ -54,7 +54,7 @@ struct AcceptanceParams {
 struct PaperParams {
   int min_features = 4;         ///< Submap features before matching is tried; >= 3.
   int min_votes = 4;            ///< S_t of algorithm 3; >= 1.
-  int max_matches = 8;          ///< Matches tried as hypotheses a scan; in [1, 1000].
+  int max_matches = 8;          ///< Matches tried as hypotheses per scan; in [1, 1000].
   SampledMatchParams sampling;  ///< Of kRma; its seed is drawn from that of LocalizerParams.
   PoseEstimatorParams estimator;
 };

@@ -78,7 +78,7 @@ class RayCaster {
   explicit RayCaster(const OccupancyGrid& grid);
 
   /// Metres from `origin_map` along `heading_map` to the first occupied cell, or infinity when
-  /// there is none within `range_max_m` or the ray leaves the grid. About 10-30 look-ups a ray.
+  /// there is none within `range_max_m` or the ray leaves the grid. About 10-30 look-ups per ray.
   [[nodiscard]] double cast(const Point2& origin_map, double heading_map, double range_max_m) const;
 
   /// A whole scan with the geometry of `lidar` (its ranges are ignored) and `beams` beams; a beam
