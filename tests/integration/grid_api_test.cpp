@@ -3,6 +3,7 @@
 
 #include <cornerfix/map_image.hpp>
 
+#include "integration/form_data.hpp"
 #include "integration/test_server.hpp"
 #include "support/drawn_grid.hpp"
 
@@ -12,15 +13,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::Json;
+using testing::kForm;
+using testing::part;
 using testing::Reply;
 
-constexpr const char* kForm = "multipart/form-data; boundary=xyz";
 constexpr const char* kArchive = "application/vnd.sqlite3";
-
-std::string part(const std::string& name, const std::string& content) {
-  return "--xyz\r\nContent-Disposition: form-data; name=\"" + name + "\"; filename=\"" + name +
-         "\"\r\n\r\n" + content + "\r\n";
-}
 
 std::string form(const std::string& yaml, const std::string& image) {
   return part("yaml", yaml) + part("image", image) + "--xyz--\r\n";

@@ -5,6 +5,7 @@
 
 #include <cornerfix/map_image.hpp>
 
+#include "integration/form_data.hpp"
 #include "integration/test_server.hpp"
 #include "storage/database.hpp"
 #include "storage/job_store.hpp"
@@ -17,16 +18,12 @@ using ::testing::HasSubstr;
 using testing::HttpClient;
 using ::testing::IsEmpty;
 using testing::Json;
+using testing::kForm;
+using testing::part;
 using testing::Reply;
 using ::testing::StartsWith;
 
-constexpr const char* kForm = "multipart/form-data; boundary=xyz";
 const testing::HeaderMap kAsync = {{"Prefer", "respond-async"}};
-
-std::string part(const std::string& name, const std::string& content) {
-  return "--xyz\r\nContent-Disposition: form-data; name=\"" + name + "\"; filename=\"" + name +
-         "\"\r\n\r\n" + content + "\r\n";
-}
 
 OccupancyGrid room_grid() {
   return testing::drawn_grid(testing::figure7_room(), {5.0, 5.0}, {-1.0, -1.0, 0.0}, {12.0, 12.0},

@@ -218,20 +218,21 @@ struct NamedLidar {
   double range_max_m;
 };
 
-class HardDrivesWithLidar : public testing::TestWithParam<NamedLidar> {};
+class HardDrivesWithLidar : public ::testing::TestWithParam<NamedLidar> {};
 
 TEST_P(HardDrivesWithLidar, FindTheRobot) {
   const NamedLidar& lidar = GetParam();
   expect_found(drive_with(lidar.field_of_view_rad, lidar.beams, lidar.range_max_m));
 }
 
-INSTANTIATE_TEST_SUITE_P(Lidars, HardDrivesWithLidar,
-                         testing::Values(NamedLidar{"180deg_180beams_8m", kPi, 180, 8.0},
-                                         NamedLidar{"180deg_361beams_80m", kPi, 361, 80.0},
-                                         NamedLidar{"270deg_1081beams_30m", 1.5 * kPi, 1081, 30.0},
-                                         NamedLidar{"360deg_360beams_12m", 2.0 * kPi, 360, 12.0},
-                                         NamedLidar{"360deg_2000beams_80m", 2.0 * kPi, 2000, 80.0}),
-                         [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Lidars, HardDrivesWithLidar,
+    ::testing::Values(NamedLidar{"180deg_180beams_8m", kPi, 180, 8.0},
+                      NamedLidar{"180deg_361beams_80m", kPi, 361, 80.0},
+                      NamedLidar{"270deg_1081beams_30m", 1.5 * kPi, 1081, 30.0},
+                      NamedLidar{"360deg_360beams_12m", 2.0 * kPi, 360, 12.0},
+                      NamedLidar{"360deg_2000beams_80m", 2.0 * kPi, 2000, 80.0}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 /// Four metres are too few to be found soon in a large building, but never a reason for a wrong
 /// pose.

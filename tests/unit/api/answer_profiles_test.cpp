@@ -9,7 +9,7 @@
 namespace cornerfix::api {
 namespace {
 
-Json localized_answer() {
+Json plain_answer() {
   return Json::parse(R"({
     "session": "s", "sequence": 12, "status": "localized",
     "pose": {"map": "office-2", "revision": 7, "stamp": 1284.25, "x": 4.0, "y": -1.0, "yaw": 2.0,
@@ -23,7 +23,7 @@ Json localized_answer() {
 }
 
 Json lost_answer() {
-  Json answer = localized_answer();
+  Json answer = plain_answer();
   answer["status"] = "lost";
   answer["pose"] = nullptr;
   answer["reason"] = "contradicted";
@@ -42,11 +42,11 @@ TEST(AnswerProfiles, HaveNames) {
 }
 
 TEST(AnswerProfiles, PlainIsTheAnswer) {
-  EXPECT_EQ(in_profile(localized_answer(), AnswerProfile::kPlain), localized_answer());
+  EXPECT_EQ(in_profile(plain_answer(), AnswerProfile::kPlain), plain_answer());
 }
 
 TEST(AnswerProfiles, ForRosThePoseIsAStampedPoseWithCovariance) {
-  const Json answer = in_profile(localized_answer(), AnswerProfile::kRos);
+  const Json answer = in_profile(plain_answer(), AnswerProfile::kRos);
   const Json& pose = answer["pose"];
   EXPECT_EQ(pose["header"]["frame_id"], "map");
   EXPECT_EQ(pose["header"]["stamp"], (Json{{"sec", 1284}, {"nanosec", 250'000'000}}));
@@ -76,7 +76,7 @@ TEST(AnswerProfiles, ForRosThereIsNoPoseUnlessLocalized) {
 }
 
 TEST(AnswerProfiles, RosStampsHaveTheirNanosecondsInASecond) {
-  Json answer = localized_answer();
+  Json answer = plain_answer();
   answer["pose"]["stamp"] = -0.25;
   EXPECT_EQ(in_profile(answer, AnswerProfile::kRos)["pose"]["header"]["stamp"],
             (Json{{"sec", -1}, {"nanosec", 750'000'000}}));
@@ -86,7 +86,7 @@ TEST(AnswerProfiles, RosStampsHaveTheirNanosecondsInASecond) {
 }
 
 TEST(AnswerProfiles, ForVda5050ALocalizedRobotHasAPositionAndNoError) {
-  const Json state = in_profile(localized_answer(), AnswerProfile::kVda5050);
+  const Json state = in_profile(plain_answer(), AnswerProfile::kVda5050);
   const Json& position = state["agvPosition"];
   EXPECT_EQ(position["x"], 4.0);
   EXPECT_EQ(position["y"], -1.0);
@@ -118,12 +118,11 @@ TEST(AnswerProfiles, ForVda5050ARobotThatIsNotLocalizedHasAnError) {
 
 TEST(AnswerProfiles, ForVda5050TheOldPositionOfASilentRobotIsNotLocalized) {
   const Json state =
-      session_in_profile(session_with(localized_answer(), true), AnswerProfile::kVda5050);
+      session_in_profile(session_with(plain_answer(), true), AnswerProfile::kVda5050);
   EXPECT_EQ(state["agvPosition"]["localized"], false);
   EXPECT_EQ(state["errors"][0]["errorLevel"], "CRITICAL");
   EXPECT_TRUE(
-      session_in_profile(session_with(localized_answer()), AnswerProfile::kVda5050)["errors"]
-          .empty());
+      session_in_profile(session_with(plain_answer()), AnswerProfile::kVda5050)["errors"].empty());
 }
 
 TEST(AnswerProfiles, ASessionWithoutAnswerHasNoPose) {
@@ -135,9 +134,9 @@ TEST(AnswerProfiles, ASessionWithoutAnswerHasNoPose) {
 }
 
 TEST(AnswerProfiles, ForRosTheLastAnswerOfASessionIsInIt) {
-  const Json session = session_in_profile(session_with(localized_answer()), AnswerProfile::kRos);
+  const Json session = session_in_profile(session_with(plain_answer()), AnswerProfile::kRos);
   EXPECT_EQ(session["id"], "s");
-  EXPECT_EQ(session["last_answer"], in_profile(localized_answer(), AnswerProfile::kRos));
+  EXPECT_EQ(session["last_answer"], in_profile(plain_answer(), AnswerProfile::kRos));
 }
 
 }  // namespace

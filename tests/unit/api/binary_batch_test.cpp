@@ -14,11 +14,11 @@
 namespace cornerfix::api {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kInfiniteRange = std::numeric_limits<float>::infinity();
 constexpr std::size_t kHeaderBytes = 24;
 
 Parsed<SessionScansRequest> parse_binary(const std::string& body,
@@ -28,7 +28,7 @@ Parsed<SessionScansRequest> parse_binary(const std::string& body,
 
 std::string two_scans() {
   return binary_header({.flags = 1, .sequence = 7, .scans = 2, .beams = 3}) +
-         binary_text(12.5, 1.0, -2.0, 0.5, 1.0F, kInfinity, 3.25F) +
+         binary_text(12.5, 1.0, -2.0, 0.5, 1.0F, kInfiniteRange, 3.25F) +
          binary_text(13.0, 1.5, -2.0, 0.5, 0.0F, -4.0F, 2.0F);
 }
 
@@ -68,7 +68,7 @@ TEST(BinaryBatch, MayHaveNoOdometry) {
 TEST(BinaryBatch, TakesNanAsNoReturn) {
   const auto request =
       taken(parse_binary(binary_header({.scans = 1, .beams = 3}) +
-                         binary_text(12.5, static_cast<float>(kNan), -kInfinity, 3.0F)));
+                         binary_text(12.5, static_cast<float>(kNan), -kInfiniteRange, 3.0F)));
   EXPECT_FALSE(request.scans.at(0).scan.has_return(0));
   EXPECT_FALSE(request.scans.at(0).scan.has_return(1));
   EXPECT_TRUE(request.scans.at(0).scan.has_return(2));

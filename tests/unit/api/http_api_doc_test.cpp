@@ -69,7 +69,7 @@ TEST(HttpApiGuide, ShowsAnswersThatFitTheirSchemas) {
     const std::string schema = schema_of(answer);
     ASSERT_FALSE(schema.empty()) << answer;
     EXPECT_THAT(schemas.check({{"$ref", "#/components/schemas/" + schema}}, answer),
-                testing::IsEmpty())
+                ::testing::IsEmpty())
         << answer;
   }
 }

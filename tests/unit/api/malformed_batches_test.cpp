@@ -14,14 +14,14 @@ using ::testing::Not;
 
 // --- A batch of a session -------------------------------------------------------------------
 
-class SessionBatch : public testing::TestWithParam<Case> {};
+class SessionBatch : public ::testing::TestWithParam<Case> {};
 
 TEST_P(SessionBatch, IsRefused) {
   expect_problem(parse_batch(GetParam().body), GetParam().status, GetParam().pointer);
 }
 
 /// The body has one batch of these scans.
-class ScansOfABatch : public testing::TestWithParam<Case> {};
+class ScansOfABatch : public ::testing::TestWithParam<Case> {};
 
 TEST_P(ScansOfABatch, AreRefused) {
   expect_problem(parse_batch(session_batch(GetParam().body)), GetParam().status,
@@ -61,7 +61,7 @@ constexpr Case kUnparsableBatches[] = {
           "ranges": [1, 2, 3]}]})",
      400},
 };
-INSTANTIATE_TEST_SUITE_P(Unparsable, SessionBatch, testing::ValuesIn(kUnparsableBatches),
+INSTANTIATE_TEST_SUITE_P(Unparsable, SessionBatch, ::testing::ValuesIn(kUnparsableBatches),
                          case_name);
 
 constexpr Case kUnparsableScans[] = {
@@ -76,7 +76,8 @@ constexpr Case kUnparsableScans[] = {
     {"BrokenUnknownMember", R"({"stamp": 1, "ranges": [1, 2, 3], "x": [nil]})", 400},
     {"DuplicateRanges", R"({"stamp": 1, "ranges": [1], "ranges": [2]})", 400},
 };
-INSTANTIATE_TEST_SUITE_P(Unparsable, ScansOfABatch, testing::ValuesIn(kUnparsableScans), case_name);
+INSTANTIATE_TEST_SUITE_P(Unparsable, ScansOfABatch, ::testing::ValuesIn(kUnparsableScans),
+                         case_name);
 
 constexpr Case kNoObject[] = {
     {"Array", R"([{"stamp": 1, "ranges": [1, 2, 3]}])", 422},
@@ -88,7 +89,7 @@ constexpr Case kNoObject[] = {
     {"NearlyTrue", "tru", 400},
     {"Word", "nonsense", 400},
 };
-INSTANTIATE_TEST_SUITE_P(NoObject, SessionBatch, testing::ValuesIn(kNoObject), case_name);
+INSTANTIATE_TEST_SUITE_P(NoObject, SessionBatch, ::testing::ValuesIn(kNoObject), case_name);
 
 constexpr Case kWrongBatches[] = {
     {"NoMembers", "{}", 422, "/sequence"},
@@ -118,7 +119,7 @@ constexpr Case kWrongBatches[] = {
     {"SequenceABoolean", R"({"sequence": true, "scans": [{"stamp": 1, "ranges": [1, 2, 3]}]})", 422,
      "/sequence"},
 };
-INSTANTIATE_TEST_SUITE_P(WrongMember, SessionBatch, testing::ValuesIn(kWrongBatches), case_name);
+INSTANTIATE_TEST_SUITE_P(WrongMember, SessionBatch, ::testing::ValuesIn(kWrongBatches), case_name);
 
 constexpr Case kWrongScans[] = {
     {"EmptyScans", "", 422, "/scans"},
@@ -226,10 +227,10 @@ constexpr Case kWrongScans[] = {
           "frame": "odom"}})",
      422, "/scans/0/odom/frame"},
 };
-INSTANTIATE_TEST_SUITE_P(WrongMember, ScansOfABatch, testing::ValuesIn(kWrongScans), case_name);
+INSTANTIATE_TEST_SUITE_P(WrongMember, ScansOfABatch, ::testing::ValuesIn(kWrongScans), case_name);
 
 /// The detail of the problem with a batch.
-std::string detail_of(const std::string& body) {
+std::string fault_of(const std::string& body) {
   const auto parsed = parse_batch(body);
   const auto* problem = std::get_if<Problem>(&parsed);
   return problem != nullptr ? problem->detail : "";
@@ -237,24 +238,24 @@ std::string detail_of(const std::string& body) {
 
 TEST(UnparsableBody, IsNamedForWhatItIs) {
   const std::string batch = session_batch(R"({"stamp": 1, "ranges": [1, 2, 3]})");
-  EXPECT_THAT(detail_of("\xEF\xBB\xBF" + batch), HasSubstr("begins with a byte order mark"));
-  EXPECT_THAT(detail_of("\xFF\xFE{"), HasSubstr("the byte order mark of UTF-16"));
-  EXPECT_THAT(detail_of("\x1f\x8b\x08"), HasSubstr("send Content-Encoding: gzip"));
+  EXPECT_THAT(fault_of("\xEF\xBB\xBF" + batch), HasSubstr("begins with a byte order mark"));
+  EXPECT_THAT(fault_of("\xFF\xFE{"), HasSubstr("the byte order mark of UTF-16"));
+  EXPECT_THAT(fault_of("\x1f\x8b\x08"), HasSubstr("send Content-Encoding: gzip"));
   for (const char* number : {"NaN", "nan", "-inf", "Infinity"}) {
     const std::string ranges = "[1, " + std::string(number) + ", 3]";
-    EXPECT_THAT(detail_of(session_batch(R"({"stamp": 1, "ranges": )" + ranges + "}")),
+    EXPECT_THAT(fault_of(session_batch(R"({"stamp": 1, "ranges": )" + ranges + "}")),
                 HasSubstr("It has no NaN and no Infinity: send null."));
   }
-  EXPECT_THAT(detail_of(R"({"header": {"stamp": {"nanosec": 1,}}})"), Not(HasSubstr("NaN")));
+  EXPECT_THAT(fault_of(R"({"header": {"stamp": {"nanosec": 1,}}})"), Not(HasSubstr("NaN")));
 }
 
 TEST(StampInMilliseconds, IsAskedFor) {
-  EXPECT_THAT(detail_of(session_batch(R"({"stamp": 1700000000000, "ranges": [1, 2, 3]})")),
+  EXPECT_THAT(fault_of(session_batch(R"({"stamp": 1700000000000, "ranges": [1, 2, 3]})")),
               HasSubstr("from -1e12 to 1e12: are these milli- or nanoseconds?"));
 }
 
 TEST(StampBesideAHeader, IsTakenWhenItIsTheSameTime) {
-  EXPECT_EQ(detail_of(session_batch(
+  EXPECT_EQ(fault_of(session_batch(
                 R"({"stamp": 5.25, "ranges": [1, 2, 3],
                     "header": {"stamp": {"sec": 5, "nanosec": 250000000}}})")),
             "");
@@ -290,7 +291,7 @@ TEST(TooManyValues, AreTooLarge) {
 
 // --- Other requests -------------------------------------------------------------------------
 
-class MapBatch : public testing::TestWithParam<Case> {};
+class MapBatch : public ::testing::TestWithParam<Case> {};
 
 TEST_P(MapBatch, IsRefused) {
   expect_problem(parse_map_scans(GetParam().body, BodyFormat::kJson, three_beam_lidar(), {}),
@@ -336,7 +337,7 @@ constexpr Case kWrongMapBatches[] = {
           "yaw": 0}}]})",
      422, "/scans/0/ranges"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, MapBatch, testing::ValuesIn(kWrongMapBatches), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, MapBatch, ::testing::ValuesIn(kWrongMapBatches), case_name);
 
 TEST(MapBatchWithoutLidar, IsRefusedWhenTheScansBringNone) {
   const std::string posed =

@@ -8,7 +8,7 @@
 namespace cornerfix::api {
 namespace {
 
-class NewSession : public testing::TestWithParam<Case> {};
+class NewSession : public ::testing::TestWithParam<Case> {};
 
 TEST_P(NewSession, IsRefused) {
   expect_problem(parse_create_session(GetParam().body, BodyFormat::kJson), GetParam().status,
@@ -16,7 +16,7 @@ TEST_P(NewSession, IsRefused) {
 }
 
 /// The body has these members beside robot and lidar.
-class MembersOfASession : public testing::TestWithParam<Case> {};
+class MembersOfASession : public ::testing::TestWithParam<Case> {};
 
 std::string session(const std::string& members) {
   return std::string(R"({"robot": "r2", "lidar": )") + kLidarText + ", " + members + "}";
@@ -28,7 +28,7 @@ TEST_P(MembersOfASession, AreRefused) {
 }
 
 /// The body's lidar has these members.
-class LidarOfASession : public testing::TestWithParam<Case> {};
+class LidarOfASession : public ::testing::TestWithParam<Case> {};
 
 TEST_P(LidarOfASession, IsRefused) {
   const std::string body = std::string(R"({"robot": "r2", "lidar": {)") + GetParam().body + "}}";
@@ -54,7 +54,7 @@ constexpr Case kWrongSessions[] = {
           "range_max": 10.0}})",
      422, "/robot"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, NewSession, testing::ValuesIn(kWrongSessions), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, NewSession, ::testing::ValuesIn(kWrongSessions), case_name);
 
 constexpr Case kWrongMembers[] = {
     {"MapANumber", R"("map": 3)", 422, "/map"},
@@ -78,7 +78,7 @@ constexpr Case kWrongMembers[] = {
     {"NestedOptionOutOfRange", R"("options": {"acceptance": {"min_probability": 1.5}})", 422,
      "/options/acceptance/min_probability"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, MembersOfASession, testing::ValuesIn(kWrongMembers), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, MembersOfASession, ::testing::ValuesIn(kWrongMembers), case_name);
 
 constexpr Case kWrongLidars[] = {
     {"LidarWithoutMembers", "", 422, "/lidar/angle_min"},
@@ -126,9 +126,9 @@ constexpr Case kWrongLidars[] = {
                                    "range_max": 9, "mount": {"x": 0, "y": 0})",
      422, "/lidar/mount/yaw"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, LidarOfASession, testing::ValuesIn(kWrongLidars), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, LidarOfASession, ::testing::ValuesIn(kWrongLidars), case_name);
 
-class NewMap : public testing::TestWithParam<Case> {};
+class NewMap : public ::testing::TestWithParam<Case> {};
 
 TEST_P(NewMap, IsRefused) {
   expect_problem(parse_put_map(GetParam().body, BodyFormat::kJson), GetParam().status,
@@ -151,14 +151,14 @@ constexpr Case kWrongMaps[] = {
     {"ParameterFractional", R"({"parameters": {"min_feature_count": 2.5}})", 422,
      "/parameters/min_feature_count"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, NewMap, testing::ValuesIn(kWrongMaps), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, NewMap, ::testing::ValuesIn(kWrongMaps), case_name);
 
 TEST(DescriptionOfAMap, MustNotBeLong) {
   const std::string body = R"({"description": ")" + std::string(5000, 'a') + R"("})";
   expect_problem(parse_put_map(body, BodyFormat::kJson), 422, "/description");
 }
 
-class Trajectory : public testing::TestWithParam<Case> {};
+class Trajectory : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Trajectory, IsRefused) {
   expect_problem(parse_trajectory(GetParam().body, BodyFormat::kJson), GetParam().status,
@@ -173,9 +173,9 @@ constexpr Case kWrongTrajectories[] = {
     {"NoStamp", R"({"poses": [{"x": 0, "y": 0, "yaw": 0}]})", 422, "/poses/0/stamp"},
     {"NoYaw", R"({"poses": [{"stamp": 1, "x": 0, "y": 0}]})", 422, "/poses/0/yaw"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, Trajectory, testing::ValuesIn(kWrongTrajectories), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, Trajectory, ::testing::ValuesIn(kWrongTrajectories), case_name);
 
-class Question : public testing::TestWithParam<Case> {};
+class Question : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Question, IsRefused) {
   expect_problem(parse_localize(GetParam().body, BodyFormat::kJson, {}), GetParam().status,
@@ -191,7 +191,7 @@ constexpr Case kWrongQuestions[] = {
           "range_max": 10.0}, "scans": [{"stamp": 1, "ranges": [1, 2, 3]}], "options": {"x": 1}})",
      422, "/options/x"},
 };
-INSTANTIATE_TEST_SUITE_P(Wrong, Question, testing::ValuesIn(kWrongQuestions), case_name);
+INSTANTIATE_TEST_SUITE_P(Wrong, Question, ::testing::ValuesIn(kWrongQuestions), case_name);
 
 // --- Binary formats -------------------------------------------------------------------------
 
@@ -203,7 +203,7 @@ struct BinaryCase {
 
 void PrintTo(const BinaryCase& c, std::ostream* os) { *os << c.name; }
 
-class BinaryBody : public testing::TestWithParam<BinaryCase> {};
+class BinaryBody : public ::testing::TestWithParam<BinaryCase> {};
 
 TEST_P(BinaryBody, IsRefusedAsUnparsable) {
   expect_problem(parse_session_scans(GetParam().body, GetParam().format, three_beam_lidar(), {}),
@@ -254,8 +254,8 @@ std::vector<BinaryCase> broken_bodies() {
   return cases;
 }
 
-INSTANTIATE_TEST_SUITE_P(Broken, BinaryBody, testing::ValuesIn(broken_bodies()),
-                         [](const testing::TestParamInfo<BinaryCase>& tested) {
+INSTANTIATE_TEST_SUITE_P(Broken, BinaryBody, ::testing::ValuesIn(broken_bodies()),
+                         [](const ::testing::TestParamInfo<BinaryCase>& tested) {
                            return std::string(tested.param.name);
                          });
 

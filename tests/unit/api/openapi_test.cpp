@@ -20,7 +20,7 @@
 namespace cornerfix::api {
 namespace {
 
-using testing::IsEmpty;
+using ::testing::IsEmpty;
 
 const nlohmann::json& openapi() {
   static const auto document = nlohmann::json::parse(openapi_json());
@@ -267,7 +267,7 @@ TEST(Openapi, NamesEveryOptionAndParameterWithItsDefault) {
 
 // What the service writes has all that is required and nothing that is not documented.
 
-Answer localized_answer() {
+Answer answer_in_office() {
   const auto map = std::make_shared<const LocalizationMap>("office", 7, MapContent{});
   Answer answer;
   answer.status = Status::kLocalized;
@@ -283,7 +283,7 @@ Answer localized_answer() {
 
 TEST(OpenapiSchema, IsWhatAnswersFit) {
   EXPECT_THAT(misfits("Answer", render_answer({}, {"", std::nullopt, 0.0})), IsEmpty());
-  const Json json = render_answer(localized_answer(), {"s", 3, 12.5});
+  const Json json = render_answer(answer_in_office(), {"s", 3, 12.5});
   EXPECT_THAT(misfits("Answer", json), IsEmpty());
   RobotScan scan;
   scan.scan = {1.0, 0.0, 0.5, 0.0, 10.0, {1.0F, 2.0F}};
@@ -351,7 +351,7 @@ TEST(OpenapiSchema, IsWhatSessionsFit) {
 
 TEST(OpenapiSchema, IsWhatProfilesFit) {
   const Json nothing = render_answer({}, {"s", 0, 0.0});
-  for (const Json& one : {nothing, render_answer(localized_answer(), {"s", 3, 12.5})}) {
+  for (const Json& one : {nothing, render_answer(answer_in_office(), {"s", 3, 12.5})}) {
     EXPECT_THAT(misfits("RosAnswer", in_profile(one, AnswerProfile::kRos)), IsEmpty());
     EXPECT_THAT(misfits("Vda5050State", in_profile(one, AnswerProfile::kVda5050)), IsEmpty());
   }
@@ -365,10 +365,10 @@ TEST(OpenapiSchema, IsWhatProblemsFit) {
 }
 
 TEST(SchemaCheck, FindsWhatDoesNotFit) {
-  EXPECT_THAT(misfits("Health", Json{{"status", 1}}), testing::SizeIs(1));
-  EXPECT_THAT(misfits("Health", Json::object()), testing::SizeIs(1));
-  EXPECT_THAT(misfits("Health", Json{{"status", "ok"}, {"extra", 1}}), testing::SizeIs(1));
-  EXPECT_THAT(misfits("Status", Json("asleep")), testing::SizeIs(1));
+  EXPECT_THAT(misfits("Health", Json{{"status", 1}}), ::testing::SizeIs(1));
+  EXPECT_THAT(misfits("Health", Json::object()), ::testing::SizeIs(1));
+  EXPECT_THAT(misfits("Health", Json{{"status", "ok"}, {"extra", 1}}), ::testing::SizeIs(1));
+  EXPECT_THAT(misfits("Status", Json("asleep")), ::testing::SizeIs(1));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(FieldErrors, ListsTheFirstTwentyAndCountsAll) {
   EXPECT_EQ(problem.status, 422);
   EXPECT_EQ(problem.errors.size(), 20U);
   EXPECT_EQ(problem.errors.back().pointer, "/scans/19");
-  EXPECT_THAT(problem.detail, testing::HasSubstr("23 members"));
+  EXPECT_THAT(problem.detail, ::testing::HasSubstr("23 members"));
 }
 
 TEST(FieldErrors, PutsASingleErrorIntoTheDetail) {

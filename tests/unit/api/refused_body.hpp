@@ -24,7 +24,7 @@ struct Case {
 
 inline void PrintTo(const Case& c, std::ostream* os) { *os << c.name << ": " << c.body; }
 
-inline std::string case_name(const testing::TestParamInfo<Case>& tested) {
+inline std::string case_name(const ::testing::TestParamInfo<Case>& tested) {
   return tested.param.name;
 }
 

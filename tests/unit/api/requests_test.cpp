@@ -13,7 +13,7 @@
 namespace cornerfix::api {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(MapScans, TakePosesAndTheMapsLidar) {
   const auto request = taken(parse_map_scans(
@@ -106,7 +106,7 @@ TEST(StoredTexts, GiveALidarBackToTheLastBit) {
               .range_min = 0.023,
               .range_max = 60.0,
               .beams = 1081,
-              .T_base_link_laser = {0.1 + 0.2, -1.0 / 3.0, kPi}};
+              .T_base_link_laser = {0.1 + 0.2, -1.0 / 3.0, pi}};
   EXPECT_EQ(lidar_from_json(lidar_to_json(lidar)), lidar);
   lidar.beams.reset();
   EXPECT_EQ(lidar_from_json(lidar_to_json(lidar)), lidar);
@@ -118,7 +118,7 @@ TEST(StoredTexts, GiveALidarWithoutLimitBack) {
       BodyFormat::kJson));
   ASSERT_TRUE(request.lidar.has_value());
   const std::string stored = lidar_to_json(*request.lidar);
-  EXPECT_THAT(stored, testing::HasSubstr(R"("range_max":null)"));
+  EXPECT_THAT(stored, ::testing::HasSubstr(R"("range_max":null)"));
   const auto lidar = lidar_from_json(stored);
   ASSERT_TRUE(lidar.has_value());
   EXPECT_EQ(lidar->range_max, std::numeric_limits<double>::infinity());

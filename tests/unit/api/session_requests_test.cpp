@@ -11,7 +11,7 @@
 namespace cornerfix::api {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 TEST(CreateSession, TakesOneMapSomeMapsOrAll) {
   const auto maps_of = [](const std::string& members) {

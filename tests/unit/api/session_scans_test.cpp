@@ -13,11 +13,11 @@
 namespace cornerfix::api {
 namespace {
 
-using testing::ElementsAre;
-using testing::FloatEq;
+using ::testing::ElementsAre;
+using ::testing::FloatEq;
 using testing::NanSensitiveFloatEq;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
 SessionScansRequest session_scans(const std::string& scans) {
@@ -27,7 +27,7 @@ SessionScansRequest session_scans(const std::string& scans) {
 
 TEST(SessionScans, HaveTheLidarsGeometryAndTheirOwnValues) {
   Lidar lidar = three_beam_lidar();
-  lidar.T_base_link_laser = {0.2, 0.0, kPi};
+  lidar.T_base_link_laser = {0.2, 0.0, pi};
   const auto request = taken(parse_session_scans(
       R"({"sequence": 7, "scans": [{"stamp": 12.5, "ranges": [1, 2.5, 3],
                                     "odom": {"x": 1, "y": -2, "yaw": 0.5}}]})",
@@ -41,7 +41,7 @@ TEST(SessionScans, HaveTheLidarsGeometryAndTheirOwnValues) {
   EXPECT_EQ(scan.scan.range_min, 0.1);
   EXPECT_EQ(scan.scan.range_max, 10.0);
   EXPECT_THAT(scan.scan.ranges, ElementsAre(1.0F, 2.5F, 3.0F));
-  EXPECT_EQ(scan.T_base_link_laser, (Pose2{0.2, 0.0, kPi}));
+  EXPECT_EQ(scan.T_base_link_laser, (Pose2{0.2, 0.0, pi}));
   EXPECT_EQ(scan.T_odom_base_link, (Pose2{1.0, -2.0, 0.5}));
 }
 
@@ -79,8 +79,8 @@ TEST(SessionScans, WrapTheYawOfOdometry) {
   const auto request = session_scans(
       R"({"stamp": 1, "ranges": [1, 2, 3], "odom": {"x": 0, "y": 0, "yaw": -3.141592653589793}},
          {"stamp": 2, "ranges": [1, 2, 3], "odom": {"x": 0, "y": 0, "yaw": 7}})");
-  EXPECT_DOUBLE_EQ(request.scans.at(0).T_odom_base_link->yaw, kPi);
-  EXPECT_DOUBLE_EQ(request.scans.at(1).T_odom_base_link->yaw, 7.0 - 2.0 * kPi);
+  EXPECT_DOUBLE_EQ(request.scans.at(0).T_odom_base_link->yaw, pi);
+  EXPECT_DOUBLE_EQ(request.scans.at(1).T_odom_base_link->yaw, 7.0 - 2.0 * pi);
 }
 
 TEST(SessionScans, TakeNullOdometryAsNone) {
@@ -109,7 +109,7 @@ TEST(SessionScans, TakeOdometryAsRosbridgeSendsIt) {
   ASSERT_TRUE(T_odom_base_link);
   EXPECT_EQ(T_odom_base_link->x, 1.5);
   EXPECT_EQ(T_odom_base_link->y, -2.0);
-  EXPECT_NEAR(T_odom_base_link->yaw, kPi / 2.0, 1e-12);
+  EXPECT_NEAR(T_odom_base_link->yaw, pi / 2.0, 1e-12);
 }
 
 TEST(SessionScans, AreStraightenedByTheOdometryOfTheirBatch) {

@@ -24,7 +24,7 @@ class CommandLine : public ::testing::Test {
 TEST_F(CommandLine, EndsWrongUseWithTwo) {
   const std::string log = directory_.write("a.jsonl", walk(3)).string();
   const std::string map = directory_.write("map.yaml", "").string();
-  const std::vector<std::vector<const char*>> wrong = {
+  const std::vector<std::vector<std::string>> wrong = {
       {},
       {"dance"},
       {"map"},
@@ -54,7 +54,7 @@ TEST_F(CommandLine, EndsWrongUseWithTwo) {
 }
 
 TEST_F(CommandLine, EndsHelpWithZero) {
-  for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"--help"}, {"map", "--help"}, {"map", "build", "--help"}, {"replay", "--help"}}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 0);
@@ -96,7 +96,7 @@ TEST_F(CommandLine, PrintsTheRangeOfANumberInAFewWords) {
 TEST_F(CommandLine, RefusesANameThatNoMapCanHave) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
   const std::string database = (directory_.path() / "maps.db").string();
-  for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {"map", "build", "a/b", log.c_str(), "--db", database.c_str()},
            {"map", "restore", "a/b", log.c_str()},
            {"map", "show", "a/b"},
@@ -112,7 +112,7 @@ TEST_F(CommandLine, EndsWithTwoWhereAFileIsMissingOrADirectory) {
   const std::string directory = directory_.path().string();
   for (const auto& [file, says] :
        {std::pair("/no/such/file", "does not exist"), std::pair(directory.c_str(), "directory")}) {
-    for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{
+    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
              {"map", "restore", "a", file}, {"serve", "--db", "a.db", "--config", file}}) {
       const Outcome outcome = run(arguments);
       EXPECT_EQ(outcome.exit_code, 2);
@@ -137,7 +137,7 @@ TEST_F(CommandLine, TakesEverySettingAsAFlag) {
   for (const server::Setting& setting : server::settings()) {
     const std::string flag = setting.flag();
     if (flag.empty()) continue;
-    std::vector<const char*> arguments = {"serve", "--config", file.c_str(), flag.c_str()};
+    std::vector<std::string> arguments = {"serve", "--config", file.c_str(), flag.c_str()};
     if (setting.kind != server::Setting::Kind::kSwitch) arguments.push_back("1");
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 2);
@@ -166,8 +166,8 @@ TEST_F(CommandLine, TakesHttpServersOnly) {
 
 TEST_F(CommandLine, PrintsCurlLinesInsteadOfSending) {
   const std::string log = directory_.write("walk.jsonl", walk(3)).string();
-  for (const std::vector<const char*>& arguments :
-       std::vector<std::vector<const char*>>{{"map", "list"},
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"map", "list"},
                                              {"map", "show", "a"},
                                              {"map", "delete", "a"},
                                              {"map", "build", "a", log.c_str()},
@@ -176,7 +176,7 @@ TEST_F(CommandLine, PrintsCurlLinesInsteadOfSending) {
       return testing::FakeAnswer{200, "{}"};
     });
     const std::string url = server.url();
-    std::vector<const char*> printing = arguments;
+    std::vector<std::string> printing = arguments;
     printing.insert(printing.end(), {"--print-curl", "--server", url.c_str()});
     const Outcome outcome = run(printing);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

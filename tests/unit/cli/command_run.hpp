@@ -18,12 +18,13 @@ struct Outcome {
   std::string err;
 };
 
-inline Outcome run(std::vector<const char*> arguments) {
-  arguments.insert(arguments.begin(), "cornerfix");
+inline Outcome run(const std::vector<std::string>& arguments) {
+  std::vector<const char*> argv = {"cornerfix"};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   Outcome outcome;
-  outcome.exit_code = run_command_line(static_cast<int>(arguments.size()), arguments.data());
+  outcome.exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
   outcome.out = ::testing::internal::GetCapturedStdout();
   outcome.err = ::testing::internal::GetCapturedStderr();
   return outcome;

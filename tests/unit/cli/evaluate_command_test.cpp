@@ -6,31 +6,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "cli/command_line.hpp"
 #include "support/temporary_directory.hpp"
+#include "unit/cli/command_run.hpp"
 
 namespace cornerfix::cli {
 namespace {
 
 using ::testing::HasSubstr;
-
-struct Outcome {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
-
-Outcome run(std::vector<std::string> arguments) {
-  std::vector<const char*> argv = {"cornerfix"};
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.exit_code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
-}
 
 /// Two drives through the building in tests/data, made once.
 class EvaluateCommand : public ::testing::Test {

@@ -170,7 +170,7 @@ TEST_F(MapBuild, BeginsNoMapWithALogThatHoldsNoPose) {
 TEST_F(MapBuild, BuildsIntoADatabaseAndSkipsWhatIsThere) {
   const std::string log = directory_.write("walk.jsonl", walk(60)).string();
   const std::string database = (directory_.path() / "maps.db").string();
-  const std::vector<const char*> arguments = {"map",       "build", "attic",
+  const std::vector<std::string> arguments = {"map",       "build", "attic",
                                               log.c_str(), "--db",  database.c_str()};
   const Outcome first = run(arguments);
   EXPECT_EQ(first.exit_code, 0) << first.err;

@@ -59,7 +59,7 @@ TEST_F(ReplayCommand, EndsWithOneWhenTheLogEndsFirst) {
 
 TEST_F(ReplayCommand, StartsAtTheGivenScanOrTime) {
   const std::string log = directory_.write("walk.jsonl", walk(20)).string();
-  const std::vector<std::pair<std::vector<const char*>, double>> first_stamps = {
+  const std::vector<std::pair<std::vector<std::string>, double>> first_stamps = {
       {{}, 0.0},
       {{"--from", "7"}, 7.0},
       {{"--from", "2.5s"}, 3.0},
@@ -68,7 +68,7 @@ TEST_F(ReplayCommand, StartsAtTheGivenScanOrTime) {
   for (const auto& [options, stamp] : first_stamps) {
     testing::FakeServer server(find_at_third_batch);
     const std::string url = server.url();
-    std::vector<const char*> arguments = {"replay", log.c_str(), "--no-odom", "--server",
+    std::vector<std::string> arguments = {"replay", log.c_str(), "--no-odom", "--server",
                                           url.c_str()};
     arguments.insert(arguments.end(), options.begin(), options.end());
     run(arguments);

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr std::chrono::milliseconds kNever{3'600'000};
+constexpr std::chrono::milliseconds kLongLease{3'600'000};
 
 /// Looks until `is_so`, for a minute at most.
 template <typename Condition>
@@ -49,7 +49,7 @@ Result<std::string> echo(const JobTask& task) {
 class JobServiceTest : public ServiceTest {
  protected:
   std::shared_ptr<JobService> serve(const JobRunner& runner,
-                                    std::chrono::milliseconds lease = kNever,
+                                    std::chrono::milliseconds lease = kLongLease,
                                     const NowText& expired_before = {},
                                     storage::JobLimits limits = {}) {
     return std::make_shared<JobService>(
@@ -158,7 +158,7 @@ TEST_F(JobServiceTest, ShowsHowFarAJobIsAndCancelsIt) {
 }
 
 TEST_F(JobServiceTest, RefusesMoreJobsThanMayWait) {
-  const auto service = serve(work_on, kNever, {}, {.jobs = 1});
+  const auto service = serve(work_on, kLongLease, {}, {.jobs = 1});
   const std::string id = submit(*service);
   const auto refused = service->submit("work", "office", {});
   ASSERT_TRUE(refused);
@@ -300,7 +300,7 @@ TEST_F(JobServiceTest, RemovesFinishedJobsWithTime) {
     if (const auto ended = jobs.cancel("old", kNow); !ended) return ended.error();
     return {};
   }));
-  const auto service = serve(echo, kNever, [] { return "2999-01-01T00:00:00Z"; });
+  const auto service = serve(echo, kLongLease, [] { return "2999-01-01T00:00:00Z"; });
   EXPECT_TRUE(comes_true([&] { return service->list({}).value().empty(); }));
 }
 

@@ -6,15 +6,15 @@ namespace cornerfix::server {
 namespace {
 
 using ::testing::HasSubstr;
-using State = HeadReader::State;
+using HeadState = HeadReader::State;
 
 constexpr const char* kHost = "Host: a\r\n";
 
-State read(HeadReader& reader, std::string_view bytes) { return reader.take(bytes); }
+HeadState read_head(HeadReader& reader, std::string_view bytes) { return reader.take(bytes); }
 
 Refusal refusal_of(const std::string& bytes, HeadLimits limits = {}) {
   HeadReader reader(limits);
-  EXPECT_EQ(read(reader, bytes), State::kRefused) << bytes;
+  EXPECT_EQ(read_head(reader, bytes), HeadState::kRefused) << bytes;
   return reader.refusal();
 }
 
@@ -26,10 +26,10 @@ TEST(RequestHead, IsTakenInPiecesAndLeavesWhatFollows) {
   const std::string head = with_header("Content-Length:  5 \r\nX-Mine:\r\n");
   HeadReader reader;
   for (std::size_t i = 0; i + 1 < head.size(); ++i) {
-    ASSERT_EQ(read(reader, head.substr(i, 1)), State::kReading) << i;
+    ASSERT_EQ(read_head(reader, head.substr(i, 1)), HeadState::kReading) << i;
   }
   std::string_view rest = "\nhello";
-  ASSERT_EQ(reader.take(rest), State::kDone);
+  ASSERT_EQ(reader.take(rest), HeadState::kDone);
   EXPECT_EQ(rest, "hello");
   EXPECT_EQ(reader.head().method, "POST");
   EXPECT_EQ(reader.head().framing.length, 5U);
@@ -39,7 +39,7 @@ TEST(RequestHead, IsTakenInPiecesAndLeavesWhatFollows) {
 
 TEST(RequestHead, MayFollowOneEmptyLine) {
   HeadReader reader;
-  EXPECT_EQ(read(reader, "\r\n" + with_header("")), State::kDone);
+  EXPECT_EQ(read_head(reader, "\r\n" + with_header("")), HeadState::kDone);
   EXPECT_EQ(refusal_of("\r\n\r\n").status, 400);
 }
 
@@ -89,13 +89,14 @@ TEST(RequestHead, OfGetAndHeadHasNoBody) {
     }
   }
   HeadReader reader;
-  EXPECT_EQ(read(reader, "GET / HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n"), State::kDone);
+  EXPECT_EQ(read_head(reader, "GET / HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n"),
+            HeadState::kDone);
 }
 
 TEST(RequestHead, KeepsExpectToTheConnection) {
   HeadReader reader;
-  ASSERT_EQ(read(reader, with_header("Expect: 100-Continue\r\nContent-Length: 5\r\n")),
-            State::kDone);
+  ASSERT_EQ(read_head(reader, with_header("Expect: 100-Continue\r\nContent-Length: 5\r\n")),
+            HeadState::kDone);
   EXPECT_TRUE(reader.head().expects_continue);
   EXPECT_THAT(reader.head().text, ::testing::Not(HasSubstr("Expect")));
   EXPECT_EQ(refusal_of(with_header("Expect: more\r\n")).status, 417);
@@ -120,7 +121,7 @@ TEST(RequestHead, MayHaveAsManyLinesAsTheLimit) {
   std::string head = std::string("GET / HTTP/1.1\r\n") + kHost;
   for (int i = 0; i < 99; ++i) head += "a:b\r\n";
   HeadReader reader;
-  EXPECT_EQ(read(reader, head + "\r\n"), State::kDone);
+  EXPECT_EQ(read_head(reader, head + "\r\n"), HeadState::kDone);
 }
 
 }  // namespace

@@ -6,14 +6,14 @@ namespace cornerfix::server {
 namespace {
 
 using ::testing::EndsWith;
-using State = RequestReceiver::State;
+using ReceiverState = RequestReceiver::State;
 
 std::string head(const std::string& lines) {
   return "POST / HTTP/1.1\r\nHost: a\r\n" + lines + "\r\n";
 }
 
 /// A chunked request after its head.
-State read_chunks(RequestReceiver& receiver, const std::string& chunks) {
+ReceiverState read_chunks(RequestReceiver& receiver, const std::string& chunks) {
   const std::string text = head("Transfer-Encoding: chunked\r\n") + chunks;
   std::string_view bytes = text;
   return receiver.take(bytes);
@@ -21,7 +21,7 @@ State read_chunks(RequestReceiver& receiver, const std::string& chunks) {
 
 Refusal refusal_of_chunks(const std::string& chunks) {
   RequestReceiver receiver;
-  EXPECT_EQ(read_chunks(receiver, chunks), State::kRefused) << chunks;
+  EXPECT_EQ(read_chunks(receiver, chunks), ReceiverState::kRefused) << chunks;
   return receiver.refusal();
 }
 
@@ -29,7 +29,7 @@ TEST(RequestReceiver, EndsWhereTheBodyEnds) {
   RequestReceiver receiver;
   const std::string text = head("Content-Length: 5\r\n") + "helloGET / HTTP/1.1\r\n";
   std::string_view bytes = text;
-  EXPECT_EQ(receiver.take(bytes), State::kComplete);
+  EXPECT_EQ(receiver.take(bytes), ReceiverState::kComplete);
   EXPECT_EQ(bytes, "GET / HTTP/1.1\r\n");
   EXPECT_EQ(receiver.take_text(), head("Content-Length: 5\r\n") + "hello");
 }
@@ -39,7 +39,7 @@ TEST(RequestReceiver, IsCompleteWithItsHeadWhenThereIsNoBody) {
     RequestReceiver receiver;
     const std::string text = head(lines);
     std::string_view bytes = text;
-    EXPECT_EQ(receiver.take(bytes), State::kComplete);
+    EXPECT_EQ(receiver.take(bytes), ReceiverState::kComplete);
   }
 }
 
@@ -49,10 +49,10 @@ TEST(RequestReceiver, WritesChunksAnewWithoutExtensionsAndTrailers) {
                            "5;a=\"b\"\r\nhello\r\n0006\r\n world\r\n0\r\nX-Sum: 1\r\n\r\nnext";
   std::string received;
   std::string_view bytes = text;
-  while (receiver.state() != State::kComplete && !bytes.empty()) {
+  while (receiver.state() != ReceiverState::kComplete && !bytes.empty()) {
     std::string_view piece = bytes.substr(0, 7);
     const std::size_t offered = piece.size();
-    ASSERT_NE(receiver.take(piece), State::kRefused);
+    ASSERT_NE(receiver.take(piece), ReceiverState::kRefused);
     bytes.remove_prefix(offered - piece.size());
     received += receiver.take_text();
   }

@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Key;
 
-constexpr int kShortTimeoutMs = 1;
+constexpr int kOneMillisecond = 1;
 
 /// A closed database with a map in it.
 void make_database(const fs::path& path) {
@@ -379,7 +379,7 @@ TEST(SqliteDatabase, SaysBusyWhenAnotherWriterDoesNotEnd) {
   const TempDirectory directory;
   const auto first = open_database(directory / "maps.db");
   MapStore store(
-      SqliteDatabase::open(directory / "maps.db", Synchronous::kNormal, kShortTimeoutMs).value());
+      SqliteDatabase::open(directory / "maps.db", Synchronous::kNormal, kOneMillisecond).value());
   const SQLite::Transaction writer(first->connection(), SQLite::TransactionBehavior::IMMEDIATE);
   const auto put = store.put("office", std::nullopt, std::nullopt, std::nullopt, "now");
   ASSERT_FALSE(put);

@@ -18,7 +18,9 @@ LocalizabilityReport assess(const LocalizationMapPtr& map, LocalizabilityParams 
   return report.value_or(LocalizabilityReport{});
 }
 
-LocalizationMapPtr office_map() { return mapped_floor(testing::offices(), {{1.0, 1.0}}, {16, 9}); }
+LocalizationMapPtr offices_to_assess() {
+  return mapped_floor(testing::offices(), {{1.0, 1.0}}, {16, 9});
+}
 
 TEST(Localizability, FindsEveryRobotInARoomLikeNoOther) {
   const LocalizabilityReport report = assess(
@@ -48,7 +50,7 @@ TEST(Localizability, NamesTheRoomThatAnswersForAnother) {
 }
 
 TEST(Localizability, LetsFewPlacesStandForAllOfTheMap) {
-  const LocalizabilityReport report = assess(office_map(), {.max_places = 6});
+  const LocalizabilityReport report = assess(offices_to_assess(), {.max_places = 6});
   EXPECT_LE(report.places.size(), 6U);
   EXPECT_GT(report.lattice_m, 1.5);
   const auto [low, high] = std::ranges::minmax(
@@ -57,7 +59,7 @@ TEST(Localizability, LetsFewPlacesStandForAllOfTheMap) {
 }
 
 TEST(Localizability, IsTheSameWheneverItIsAsked) {
-  const LocalizationMapPtr map = office_map();
+  const LocalizationMapPtr map = offices_to_assess();
   const LocalizabilityReport first = assess(map, {.max_places = 2});
   const LocalizabilityReport second = assess(map, {.max_places = 2});
   ASSERT_EQ(first.places.size(), second.places.size());
@@ -90,7 +92,7 @@ TEST(Localizability, SeesLessWithALidarOfShortReach) {
 TEST(Localizability, EndsWhenItIsToldTo) {
   int told = 0;
   const auto report =
-      assess_localizability(office_map(), {}, [&told](double) { return ++told < 2; });
+      assess_localizability(offices_to_assess(), {}, [&told](double) { return ++told < 2; });
   EXPECT_FALSE(report.has_value());
   EXPECT_EQ(told, 2);
 }

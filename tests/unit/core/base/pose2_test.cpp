@@ -5,12 +5,12 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(WrapAngle, KeepsPlusPiAndFoldsMinusPi) {
-  EXPECT_DOUBLE_EQ(wrap_angle(kPi), kPi);
-  EXPECT_DOUBLE_EQ(wrap_angle(-kPi), kPi);
-  EXPECT_NEAR(wrap_angle(3.0 * kPi + 0.1), -kPi + 0.1, 1e-12);
+  EXPECT_DOUBLE_EQ(wrap_angle(pi), pi);
+  EXPECT_DOUBLE_EQ(wrap_angle(-pi), pi);
+  EXPECT_NEAR(wrap_angle(3.0 * pi + 0.1), -pi + 0.1, 1e-12);
 }
 
 TEST(Pose2, ComposesWithItsInverseToIdentity) {

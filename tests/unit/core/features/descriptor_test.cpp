@@ -16,7 +16,7 @@ namespace {
 
 using testing::random_features;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Feature> features_at(std::initializer_list<Point2> positions) {
   std::vector<Feature> features;
@@ -40,8 +40,8 @@ std::map<std::uint32_t, std::pair<int, int>> described_by_hand(std::span<const F
     const Point2 v = features[j].position - features[i].position;
     if (j == i || v.norm() > params.max_distance_m) continue;
     const double from_x = std::acos(v.x() / v.norm());
-    const double bearing = v.y() > 0.0 ? from_x : 2.0 * kPi - from_x;
-    const int bins = static_cast<int>(std::lround(2.0 * kPi / params.angle_resolution_rad));
+    const double bearing = v.y() > 0.0 ? from_x : 2.0 * pi - from_x;
+    const int bins = static_cast<int>(std::lround(2.0 * pi / params.angle_resolution_rad));
     result[static_cast<std::uint32_t>(j)] = {
         static_cast<int>(std::lround(v.norm() / params.distance_resolution_m)),
         static_cast<int>(std::lround(bearing / params.angle_resolution_rad)) % bins};
@@ -109,7 +109,7 @@ TEST(Descriptor, OfNoneOrOneFeatureIsEmpty) {
 TEST(Descriptor, WorksWithAnOddNumberOfAngleBins) {
   std::mt19937_64 random(4);
   const auto features = random_features(30, 20.0, random);
-  const DescriptorParams params{.angle_resolution_rad = 2.0 * kPi / 45.0};
+  const DescriptorParams params{.angle_resolution_rad = 2.0 * pi / 45.0};
   const DescriptorSet set = describe(features, params);
   EXPECT_EQ(set.angle_bins(), 45);
   for (std::size_t i = 0; i < set.size(); ++i) {

@@ -18,8 +18,8 @@ using testing::IsPointNear;
 using testing::SceneBuilder;
 
 /// A room with a cupboard in the middle of a wall, or where it stood before.
-SceneBuilder room() { return SceneBuilder().room({0, 0}, {8, 6}); }
-SceneBuilder furnished(const Point2& cupboard) { return room().box(cupboard, {1.2, 1.0}); }
+SceneBuilder empty_room() { return SceneBuilder().room({0, 0}, {8, 6}); }
+SceneBuilder furnished(const Point2& cupboard) { return empty_room().box(cupboard, {1.2, 1.0}); }
 
 const Point2 kBefore{4.0, 4.5};
 const Point2 kAfter{4.0, 1.5};
@@ -81,7 +81,7 @@ TEST_F(FeatureHistoryTest, WhatALaterDriveLooksThroughIsGone) {
   drive(furnished(kBefore), 20);
   ASSERT_NE(near(corner_of(kBefore)), nullptr);
   history_.begin_drive();
-  drive(room(), 20);
+  drive(empty_room(), 20);
   EXPECT_EQ(near(corner_of(kBefore), 0.3), nullptr);
   EXPECT_NE(near({8.0, 6.0}), nullptr);
 }
@@ -89,7 +89,7 @@ TEST_F(FeatureHistoryTest, WhatALaterDriveLooksThroughIsGone) {
 TEST_F(FeatureHistoryTest, AFewScansDoNotDisproveAFeature) {
   drive(furnished(kBefore), 20);
   history_.begin_drive();
-  drive(room(), 9);
+  drive(empty_room(), 9);
   EXPECT_NE(near(corner_of(kBefore)), nullptr);
 }
 
@@ -104,7 +104,7 @@ TEST_F(FeatureHistoryTest, WhatALaterDriveDoesNotComeByStays) {
   drive(furnished(kBefore), 20);
   const std::size_t before = history_.repeated().size();
   history_.begin_drive();
-  const SceneBuilder elsewhere = room().moved({100.0, 0.0, 0.0});
+  const SceneBuilder elsewhere = empty_room().moved({100.0, 0.0, 0.0});
   drive(elsewhere, 0);
   const LaserScan scan = testing::simulate_scan(elsewhere, {.beams = 720}, {104.0, 3.0, 0.0});
   for (int i = 0; i < 30; ++i) history_.insert({}, scan, {104.0, 3.0, 0.0});
@@ -136,7 +136,7 @@ TEST_F(FeatureHistoryTest, ScansWithoutReturnsDisproveNothing) {
   drive(furnished(kBefore), 20);
   const std::size_t before = history_.repeated().size();
   history_.begin_drive();
-  LaserScan dark = testing::simulate_scan(room(), {.beams = 720}, {4.0, 3.0, 0.0});
+  LaserScan dark = testing::simulate_scan(empty_room(), {.beams = 720}, {4.0, 3.0, 0.0});
   for (float& range : dark.ranges) range = std::numeric_limits<float>::quiet_NaN();
   for (int i = 0; i < 30; ++i) history_.insert({}, dark, {4.0, 3.0, 0.0});
   history_.insert({}, LaserScan{}, {4.0, 3.0, 0.0});

@@ -20,7 +20,7 @@ using testing::IsPoseNear;
 using testing::Moment;
 using testing::Robot;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Point2> points_base_link(const RobotScan& scan) {
   std::vector<Point2> points = returns_as_points(scan.scan);
@@ -28,7 +28,7 @@ std::vector<Point2> points_base_link(const RobotScan& scan) {
   return points;
 }
 
-std::vector<Feature> corners_of(const LaserScan& scan) {
+std::vector<Feature> vfp_features_of(const LaserScan& scan) {
   return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
 }
 
@@ -52,7 +52,7 @@ class Driver {
       last_motion_ = inverse(before) * pose;
     }
     if (submap.wants(pose, {})) {
-      submap.keep({0, scan.scan, scan.T_base_link_laser, pose}, corners_of(scan.scan));
+      submap.keep({0, scan.scan, scan.T_base_link_laser, pose}, vfp_features_of(scan.scan));
     }
   }
 
@@ -88,7 +88,7 @@ Deviation deviation_in_offices(const Robot& robot) {
 }
 
 /// The evidence of a submap, comparable.
-std::vector<std::pair<double, double>> numbers(const std::vector<Point2>& points) {
+std::vector<std::pair<double, double>> coordinates_of(const std::vector<Point2>& points) {
   std::vector<std::pair<double, double>> result;
   for (const Point2& p : points) result.emplace_back(p.x(), p.y());
   return result;
@@ -129,13 +129,13 @@ TEST(Submap, FollowsTheRobotWithoutOdometry) {
 }
 
 TEST(Submap, FollowsARobotWhoseLaserIsMountedSideways) {
-  const Deviation worst = deviation_in_offices({.T_base_link_laser = {0.3, -0.1, kPi / 2.0}});
+  const Deviation worst = deviation_in_offices({.T_base_link_laser = {0.3, -0.1, pi / 2.0}});
   EXPECT_LT(worst.metres, 0.10);
   EXPECT_LT(worst.radians, 0.02);
 }
 
 TEST(Submap, FollowsARobotThatSeesAheadOnly) {
-  const testing::Lidar lidar{.beams = 181, .field_of_view_rad = kPi, .noise_m = 0.01};
+  const testing::Lidar lidar{.beams = 181, .field_of_view_rad = pi, .noise_m = 0.01};
   const Deviation worst = deviation_in_offices({.lidar = lidar});
   EXPECT_LT(worst.metres, 0.15);
   EXPECT_LT(worst.radians, 0.03);
@@ -214,13 +214,14 @@ TEST(Submap, AForgottenScanLeavesNoEvidenceAndNoFeature) {
   const Pose2 T_submap_map = inverse(moments.front().T_map_base_link);
   for (const Moment& moment : moments) {
     window.keep({0, moment.scan.scan, {}, T_submap_map * moment.T_map_base_link},
-                corners_of(moment.scan.scan));
+                vfp_features_of(moment.scan.scan));
   }
-  for (const SubmapScan& scan : window.scans()) last_only.keep(scan, corners_of(scan.scan));
+  for (const SubmapScan& scan : window.scans()) last_only.keep(scan, vfp_features_of(scan.scan));
   EXPECT_LT(window.size(), 10U);
   EXPECT_EQ(window.evidence().ends.size(), last_only.evidence().ends.size());
   EXPECT_EQ(window.evidence().free.size(), last_only.evidence().free.size());
-  EXPECT_EQ(numbers(positions(window.features())), numbers(positions(last_only.features())));
+  EXPECT_EQ(coordinates_of(positions(window.features())),
+            coordinates_of(positions(last_only.features())));
 }
 
 TEST(Submap, EvidenceThatIsNotGatheredIsThatOfTheKeptScans) {
@@ -230,7 +231,7 @@ TEST(Submap, EvidenceThatIsNotGatheredIsThatOfTheKeptScans) {
   Submap other(params);
   other.stop_gathering_evidence();
   for (const Moment& moment : office_moments(60)) driver.take(moment.scan);
-  for (const SubmapScan& scan : driver.submap.scans()) other.keep(scan, corners_of(scan.scan));
+  for (const SubmapScan& scan : driver.submap.scans()) other.keep(scan, vfp_features_of(scan.scan));
   const Evidence& expected = driver.submap.evidence();
   ASSERT_GT(expected.ends.size(), 100U);
   EXPECT_EQ(other.evidence().ends.size(), expected.ends.size());
@@ -311,12 +312,15 @@ TEST(Submap, RestoredFromItsScansIsTheSame) {
   for (const Moment& moment : office_moments(25)) driver.take(moment.scan);
   Submap restored;
   for (const SubmapScan& scan : driver.submap.scans()) {
-    restored.keep(scan, corners_of(scan.scan), true);
+    restored.keep(scan, vfp_features_of(scan.scan), true);
   }
   restored.set_next_index(driver.submap.next_index());
-  EXPECT_EQ(numbers(restored.evidence().ends), numbers(driver.submap.evidence().ends));
-  EXPECT_EQ(numbers(restored.evidence().free), numbers(driver.submap.evidence().free));
-  EXPECT_EQ(numbers(positions(restored.features())), numbers(positions(driver.submap.features())));
+  EXPECT_EQ(coordinates_of(restored.evidence().ends),
+            coordinates_of(driver.submap.evidence().ends));
+  EXPECT_EQ(coordinates_of(restored.evidence().free),
+            coordinates_of(driver.submap.evidence().free));
+  EXPECT_EQ(coordinates_of(positions(restored.features())),
+            coordinates_of(positions(driver.submap.features())));
   EXPECT_EQ(restored.next_index(), driver.submap.next_index());
   const Moment next = office_moments(26).back();
   const PosePrior prior = isotropic_prior(driver.pose, 0.2, 0.2);

@@ -19,8 +19,6 @@ using namespace localizer_tests;
 
 // --- A search over the budget
 
-constexpr std::uint64_t kSeed = 14;
-
 std::size_t count_searching(const std::vector<Answer>& answers) {
   return static_cast<std::size_t>(std::ranges::count(answers, Reason::kSearching, &Answer::reason));
 }
@@ -28,11 +26,11 @@ std::size_t count_searching(const std::vector<Answer>& answers) {
 Localizer localizer_with_budget(double ms) {
   LocalizerParams params;
   params.search_budget_ms = ms;
-  return {{room_map(kSeed)}, params};
+  return {{room_map(kRoomSeed)}, params};
 }
 
 TEST(LocalizerDecision, ASearchOverTheBudgetContinuesAtTheNextScans) {
-  const std::vector<Moment> moments = room_drive(kSeed, 60);
+  const std::vector<Moment> moments = room_drive(kRoomSeed, 60);
   Localizer bounded = localizer_with_budget(0.3);
   Localizer unbounded = localizer_with_budget(1e6);
   const std::vector<Answer> in_parts = answers_of(bounded, moments);
@@ -46,7 +44,7 @@ TEST(LocalizerDecision, ASearchOverTheBudgetContinuesAtTheNextScans) {
 
 TEST(LocalizerDecision, ASearchEndsWhileTheRobotStands) {
   Localizer localizer = localizer_with_budget(0.05);
-  Moment moment = room_drive(kSeed, 1).front();
+  Moment moment = room_drive(kRoomSeed, 1).front();
   Answer answer = localizer.process(moment.scan);
   ASSERT_EQ(answer.reason, Reason::kSearching);
   constexpr int kMostScans = 1000;
@@ -61,9 +59,9 @@ TEST(LocalizerDecision, ASearchEndsWhileTheRobotStands) {
 
 TEST(LocalizerDecision, NewMapsBeginASuspendedSearchAnew) {
   Localizer localizer = localizer_with_budget(0.05);
-  const std::vector<Moment> moments = room_drive(kSeed, 2);
+  const std::vector<Moment> moments = room_drive(kRoomSeed, 2);
   ASSERT_EQ(localizer.process(moments[0].scan).reason, Reason::kSearching);
-  localizer.replace_maps({testing::make_map(testing::random_room(kSeed), {0.0, 0.0})});
+  localizer.replace_maps({testing::make_map(testing::random_room(kRoomSeed), {0.0, 0.0})});
   EXPECT_EQ(localizer.process(moments[1].scan).reason, Reason::kSearching);
 }
 

@@ -19,14 +19,14 @@ namespace {
 using testing::IsPoseNear;
 using testing::Moment;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const Pose2 kFront{0.2, 0.1, 0.0};
-const Pose2 kRear{-0.2, -0.1, kPi};
+const Pose2 kRear{-0.2, -0.1, pi};
 
 /// Drives in random_room(seed). Each robot starts elsewhere.
 std::vector<Pose2> path_of(std::uint64_t seed, std::size_t scans) {
   std::mt19937_64 random(seed + 1000);
-  std::uniform_real_distribution<double> position(-0.8, 0.8), yaw(-kPi, kPi);
+  std::uniform_real_distribution<double> position(-0.8, 0.8), yaw(-pi, pi);
   const Pose2 start{position(random), position(random), yaw(random)};
   return testing::wander(testing::random_room(seed), start, scans);
 }
@@ -34,7 +34,7 @@ std::vector<Pose2> path_of(std::uint64_t seed, std::size_t scans) {
 /// What a lidar of 180 deg or 360 deg at `T_base_link_laser` sees of that.
 std::vector<Moment> seen_by(const Pose2& T_base_link_laser, double field_of_view_rad,
                             std::uint64_t seed, bool has_odometry, std::size_t scans = 16) {
-  const auto beams = static_cast<std::size_t>(240.0 * field_of_view_rad / (2.0 * kPi));
+  const auto beams = static_cast<std::size_t>(240.0 * field_of_view_rad / (2.0 * pi));
   const testing::Robot robot{
       .lidar = {.beams = beams, .field_of_view_rad = field_of_view_rad, .noise_m = 0.01},
       .T_base_link_laser = T_base_link_laser,
@@ -44,8 +44,8 @@ std::vector<Moment> seen_by(const Pose2& T_base_link_laser, double field_of_view
 
 /// Two lidars of 180 deg, back to back. Their scans come `apart_s` after one another.
 std::vector<Moment> seen_by_two(std::uint64_t seed, bool has_odometry, double apart_s) {
-  const std::vector<Moment> front = seen_by(kFront, kPi, seed, has_odometry);
-  const std::vector<Moment> rear = seen_by(kRear, kPi, seed, has_odometry);
+  const std::vector<Moment> front = seen_by(kFront, pi, seed, has_odometry);
+  const std::vector<Moment> rear = seen_by(kRear, pi, seed, has_odometry);
   std::vector<Moment> both;
   for (std::size_t i = 0; i < front.size(); ++i) {
     both.push_back(front[i]);
@@ -93,7 +93,7 @@ TEST_P(LocalizerWithTwoLidars, FindsTheRobotAsWithOneOfAFullTurn) {
   Outcome full;
   for (std::uint64_t seed = 1; seed <= kRooms; ++seed) {
     two += outcome_of(seed, seen_by_two(seed, has_odometry, apart_s));
-    full += outcome_of(seed, seen_by({}, 2.0 * kPi, seed, has_odometry));
+    full += outcome_of(seed, seen_by({}, 2.0 * pi, seed, has_odometry));
   }
   EXPECT_EQ(full.localized, kRooms);
   EXPECT_EQ(two.localized, kRooms);
@@ -123,7 +123,7 @@ TEST(LocalizerWithMirroredScans, SaysInMostRoomsThatTheyAreMirrored) {
   for (std::uint64_t seed = 1; seed <= kRooms; ++seed) {
     Localizer localizer({testing::make_map(testing::random_room(seed), {0.0, 0.0})}, {});
     bool says_so = false;
-    for (Moment moment : seen_by({}, 2.0 * kPi, seed, false, 50)) {
+    for (Moment moment : seen_by({}, 2.0 * pi, seed, false, 50)) {
       moment.scan.scan.angle_min *= -1.0;
       moment.scan.scan.angle_increment *= -1.0;
       const Answer answer = localizer.process(moment.scan);
@@ -139,7 +139,7 @@ TEST(LocalizerWithMirroredScans, DoesNotSaySoOfScansThatAreNot) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Localizer here({testing::make_map(testing::random_room(seed), {0.0, 0.0})}, {});
     Localizer elsewhere({testing::make_map(testing::random_room(seed + 20), {0.0, 0.0})}, {});
-    for (const Moment& moment : seen_by({}, 2.0 * kPi, seed, true, 50)) {
+    for (const Moment& moment : seen_by({}, 2.0 * pi, seed, true, 50)) {
       EXPECT_NE(here.process(moment.scan).reason, Reason::kMirroredScans) << seed;
       EXPECT_NE(elsewhere.process(moment.scan).reason, Reason::kMirroredScans) << seed;
     }

@@ -17,8 +17,6 @@ namespace {
 
 using namespace localizer_tests;
 
-constexpr std::uint64_t kSeed = 14;
-
 TEST(LocalizerMotion, FindsARobotWithOdometryThatIsTenPerCentOff) {
   for (const double scale : {0.9, 1.1}) {
     const std::vector<Moment> moments = room_drive(4, 30, {.odometry_scale = scale});
@@ -57,7 +55,7 @@ Answer answer_after_a_pause(std::vector<Moment> moments, double pause_s) {
   moments.back().scan.scan.stamp += pause_s;
   LocalizerParams params;
   params.search_budget_ms = 1e6;  // Each search ends at its scan.
-  Localizer localizer({room_map(kSeed)}, params);
+  Localizer localizer({room_map(kRoomSeed)}, params);
   const std::vector<Answer> answers = answers_of(localizer, moments);
   EXPECT_EQ(answers[answers.size() - 2].status, Status::kLocalized);
   return answers.back();
@@ -67,14 +65,14 @@ Answer answer_after_a_pause(std::vector<Moment> moments, double pause_s) {
 bool is_continuous(const Answer& answer) { return answer.pose && answer.pose->epoch == 1; }
 
 TEST(LocalizerMotion, APauseWithoutOdometryEndsThePose) {
-  std::vector<Moment> moments = room_drive(kSeed, 60);
+  std::vector<Moment> moments = room_drive(kRoomSeed, 60);
   for (Moment& moment : moments) moment.scan.T_odom_base_link.reset();
   EXPECT_TRUE(is_continuous(answer_after_a_pause(moments, 1.0)));
   EXPECT_FALSE(is_continuous(answer_after_a_pause(moments, 3.0)));
 }
 
 TEST(LocalizerMotion, APauseWithOdometryDoesNot) {
-  EXPECT_TRUE(is_continuous(answer_after_a_pause(room_drive(kSeed, 60), 3.0)));
+  EXPECT_TRUE(is_continuous(answer_after_a_pause(room_drive(kRoomSeed, 60), 3.0)));
 }
 
 /// A corridor of 40 m with recesses at irregular distances, and a lidar that does not see its ends.
@@ -89,7 +87,7 @@ SceneBuilder corridor() {
 std::vector<Moment> corridor_run() {
   const std::vector<Point2> points = {{1.0, 1.2}, {38.0, 1.2}};
   const Robot robot{.lidar = {.beams = 360, .range_max_m = 8.0, .noise_m = 0.01}};
-  return drive(corridor(), robot, testing::route(points, 0.15), kSeed);
+  return drive(corridor(), robot, testing::route(points, 0.15), kRoomSeed);
 }
 
 std::vector<Answer> corridor_answers(const std::vector<Moment>& moments) {

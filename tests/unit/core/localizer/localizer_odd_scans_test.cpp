@@ -17,7 +17,7 @@ using namespace localizer_tests;
 
 // --- Scans that say nothing
 
-constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNullRange = std::numeric_limits<float>::quiet_NaN();
 
 struct OddScan {
   const char* name;
@@ -74,7 +74,7 @@ TEST_P(LocalizerWithOddScans, DoesNotMisleadOneThatIsLocalized) {
 INSTANTIATE_TEST_SUITE_P(Localizer, LocalizerWithOddScans,
                          ::testing::Values(OddScan{"no_beams", {}}, OddScan{"one_beam", {2.0F}},
                                            OddScan{"two_beams", {2.0F, 2.1F}},
-                                           OddScan{"all_null", std::vector<float>(360, kNoReturn)},
+                                           OddScan{"all_null", std::vector<float>(360, kNullRange)},
                                            OddScan{"all_zero", std::vector<float>(360, 0.0F)},
                                            OddScan{"all_too_far", std::vector<float>(360, 31.0F)},
                                            OddScan{"all_equal", std::vector<float>(360, 2.0F)},
@@ -96,7 +96,7 @@ TEST(Localizer, ACoveredLidarIsNeverLocalized) {
 
 TEST(Localizer, WithoutAnyReturnTheReasonIsThat) {
   Localizer localizer({room_map(16)}, with(Method::kRma));
-  const Answer answer = localizer.process(odd_scan(std::vector<float>(360, kNoReturn), 1.0));
+  const Answer answer = localizer.process(odd_scan(std::vector<float>(360, kNullRange), 1.0));
   EXPECT_EQ(answer.reason, Reason::kNoReturns);
 }
 

@@ -29,6 +29,8 @@ using testing::Robot;
 using testing::SceneBuilder;
 
 inline constexpr double kPi = std::numbers::pi;
+/// Of the room of tests that need only one.
+inline constexpr std::uint64_t kRoomSeed = 14;
 inline constexpr double kRightMetres = 0.15;
 inline constexpr double kRightRadians = 0.03;
 inline constexpr Method kMethods[] = {Method::kRma, Method::kNma, Method::kIndexed};

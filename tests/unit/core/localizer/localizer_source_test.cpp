@@ -61,9 +61,9 @@ class FakeSource : public MapSource {
   std::set<MapKey> refused_;
 };
 
-constexpr std::uint64_t kSeed = 700;  // of the storey that the robot is in
+constexpr std::uint64_t kOwnStorey = 700;  // of the storey that the robot is in
 
-LocalizationMapPtr map_of(const SceneBuilder& scene, const Point2& inside, std::string name) {
+LocalizationMapPtr map_of_scene(const SceneBuilder& scene, const Point2& inside, std::string name) {
   testing::Storey storey{scene, inside};
   Result<GridMap> made = map_from_grid(storey.grid(0.1), {});
   return std::make_shared<const LocalizationMap>(std::move(name), 1, std::move(made->content));
@@ -71,7 +71,7 @@ LocalizationMapPtr map_of(const SceneBuilder& scene, const Point2& inside, std::
 
 LocalizationMapPtr storey_map(std::uint64_t seed, std::string name) {
   const testing::Storey storey = testing::random_storey(seed);
-  return map_of(storey.scene, storey.inside, std::move(name));
+  return map_of_scene(storey.scene, storey.inside, std::move(name));
 }
 
 /// 100 storeys, made once; none is the robot's.
@@ -79,7 +79,7 @@ const std::vector<LocalizationMapPtr>& other_maps() {
   static const std::vector<LocalizationMapPtr> kMaps = [] {
     std::vector<LocalizationMapPtr> maps;
     for (std::uint64_t i = 1; i <= 100; ++i)
-      maps.push_back(storey_map(kSeed + i, "other-" + std::to_string(i)));
+      maps.push_back(storey_map(kOwnStorey + i, "other-" + std::to_string(i)));
     return maps;
   }();
   return kMaps;
@@ -94,16 +94,16 @@ std::shared_ptr<FakeSource> source_of_others() {
 
 /// Into the first room and along the corridor.
 std::vector<Moment> storey_drive(std::size_t count) {
-  const testing::Storey storey = testing::random_storey(kSeed);
+  const testing::Storey storey = testing::random_storey(kOwnStorey);
   const Pose2 start{storey.inside.x() + 1.0, storey.inside.y(), 0.4};
   return drive(storey.scene, {}, testing::wander(storey.scene, start, count), 7);
 }
 
 /// The robot's storey with one more box, where the robot does not come.
 LocalizationMapPtr changed_map() {
-  testing::Storey storey = testing::random_storey(kSeed);
+  testing::Storey storey = testing::random_storey(kOwnStorey);
   storey.scene.box({27.5, storey.corridor_high + 3.5}, {1.0, 1.0}, 0.4);
-  return map_of(storey.scene, storey.inside, "changed");
+  return map_of_scene(storey.scene, storey.inside, "changed");
 }
 
 std::set<std::string> names_in(const Answer& answer) {
@@ -114,7 +114,7 @@ std::set<std::string> names_in(const Answer& answer) {
 
 TEST(LocalizerWithSource, FindsTheRightOneOfManyMapsAndLoadsFew) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   // More than are all loaded where corners are few.
   for (std::size_t i = 0; i < 40; ++i) source->add(static_cast<MapKey>(2000 + i), other_maps()[i]);
   Localizer localizer(source, {}, {});
@@ -136,7 +136,7 @@ TEST(LocalizerWithSource, AcceptsNoPoseWhenTheRightMapIsNotThere) {
 
 TEST(LocalizerWithSource, NearTwinsAmongAHundredMapsStayAmbiguousAndAreBothNamed) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   source->add(2, changed_map());
   Localizer localizer(source, {}, {});
   const std::vector<Answer> answers = answers_of(localizer, storey_drive(80));
@@ -147,7 +147,7 @@ TEST(LocalizerWithSource, NearTwinsAmongAHundredMapsStayAmbiguousAndAreBothNamed
 
 TEST(LocalizerWithSource, AcceptsNoPoseBesideALikelyMapThatCannotBeLoaded) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   source->add(2, changed_map());
   source->refuse(2);
   Localizer localizer(source, {}, {});
@@ -160,7 +160,7 @@ TEST(LocalizerWithSource, AcceptsNoPoseBesideALikelyMapThatCannotBeLoaded) {
 
 TEST(LocalizerWithSource, SearchesTheMapOfAStartRegionOnly) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   source->add(2, changed_map());
   Localizer localizer(source, {}, {});
   const std::vector<Moment> moments = storey_drive(80);
@@ -173,7 +173,7 @@ TEST(LocalizerWithSource, SearchesTheMapOfAStartRegionOnly) {
 
 TEST(LocalizerWithSource, FindsTheRobotNearAPlaceInOneOfManyMaps) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   // More than are all searched.
   for (std::size_t i = 0; i < 40; ++i) source->add(static_cast<MapKey>(2000 + i), other_maps()[i]);
   Localizer localizer(source, {}, {});
@@ -189,7 +189,7 @@ TEST(LocalizerWithSource, FindsTheRobotNearAPlaceInOneOfManyMaps) {
 
 TEST(LocalizerWithSource, ContinuesInTheMapOfARestoredState) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   Localizer before(source, {}, {});
   const std::vector<Moment> moments = storey_drive(82);
   const std::vector<Moment> first(moments.begin(), moments.begin() + 80);
@@ -206,7 +206,7 @@ TEST(LocalizerWithSource, ContinuesInTheMapOfARestoredState) {
 
 TEST(LocalizerWithSource, HoldsOneMapOnceThePoseIsConfirmed) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   Localizer localizer(source, {}, {});
   bool is_confirmed = false;
   for (const Moment& moment : storey_drive(160)) {
@@ -224,12 +224,12 @@ TEST(LocalizerWithSource, HoldsOneMapOnceThePoseIsConfirmed) {
 
 TEST(LocalizerWithSource, TracksInANewerRevisionOfItsMap) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   Localizer localizer(source, {}, {});
   const std::vector<Moment> moments = storey_drive(82);
   const std::vector<Moment> first(moments.begin(), moments.begin() + 80);
   ASSERT_TRUE(answers_of(localizer, first).back().pose);
-  const LocalizationMapPtr newer = storey_map(kSeed, "newer");
+  const LocalizationMapPtr newer = storey_map(kOwnStorey, "newer");
   std::vector<LocalizationMapPtr> maps = localizer.maps();
   const auto at = std::ranges::find(localizer.map_keys(), MapKey{1});
   maps.at(static_cast<std::size_t>(at - localizer.map_keys().begin())) = newer;
@@ -241,7 +241,7 @@ TEST(LocalizerWithSource, TracksInANewerRevisionOfItsMap) {
 
 TEST(LocalizerWithSource, HoldsNoMoreThanTheSourceHasRoomFor) {
   const auto source = source_of_others();
-  source->add(1, storey_map(kSeed, "own"));
+  source->add(1, storey_map(kOwnStorey, "own"));
   source->max_bytes = 3 * other_maps()[0]->bytes();
   Localizer localizer(source, {}, {});
   for (const Moment& moment : storey_drive(40)) {

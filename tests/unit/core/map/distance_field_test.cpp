@@ -13,7 +13,7 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kRounding = 0.5 * DistanceField::kStep + 1e-6;
 
 /// 1.2 x 0.85 m with a wall in every 20th cell or so.
@@ -166,7 +166,7 @@ TEST(DistanceField, GradientPointsAwayFromTheWallAtUnitSlope) {
   const DistanceField field(one_wall_cell());
   const Point2 wall(3.05, 3.05);
   for (int i = 0; i < 32; ++i) {
-    const Point2 away(std::cos(i * kPi / 16.0), std::sin(i * kPi / 16.0));
+    const Point2 away(std::cos(i * pi / 16.0), std::sin(i * pi / 16.0));
     const Point2 gradient = field.sample(wall + 1.5 * away).gradient;
     EXPECT_GT(gradient.dot(away), 0.9) << away.transpose();
     EXPECT_LT(gradient.norm(), 1.1) << away.transpose();
@@ -236,7 +236,7 @@ TEST(DistanceField, OfATurnedGridTellsTheSameOfTheMap) {
   const testing::SceneBuilder scene = testing::SceneBuilder().box({2.0, 1.5}, {1.0, 0.6}, 0.4);
   const DistanceField straight(
       testing::drawn_grid(scene, {0.5, 0.5}, {0.0, 0.0, 0.0}, {4.0, 3.0}, 0.02));
-  for (const double yaw : {3.14, -3.14, kPi / 2.0, 0.5}) {
+  for (const double yaw : {3.14, -3.14, pi / 2.0, 0.5}) {
     const Pose2 T_map_grid = Pose2{2.0, 1.5, yaw} * Pose2{-3.0, -3.0, 0.0};
     const DistanceField turned(
         testing::drawn_grid(scene, {0.5, 0.5}, T_map_grid, {6.0, 6.0}, 0.02));

@@ -16,7 +16,7 @@ namespace {
 
 using testing::SceneBuilder;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const Pose2 kT_map_grid{-1.025, -1.025, 0.0};
 
 OccupancyGrid room_grid(double resolution = 0.05) {
@@ -41,7 +41,7 @@ Evidence mirrored(Evidence evidence) {
 }
 
 Pose2 random_pose(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> x(4.0, 8.0), y(3.5, 7.0), yaw(-kPi, kPi);
+  std::uniform_real_distribution<double> x(4.0, 8.0), y(3.5, 7.0), yaw(-pi, pi);
   return {x(random), y(random), yaw(random)};
 }
 
@@ -62,8 +62,8 @@ TEST(EvidenceModel, ExplainsNearlyAllAtTheTruePose) {
 
 TEST(EvidenceModel, TheTruePoseBeatsShiftedAndTurnedOnes) {
   const ClassField classes = classes_of(room_grid());
-  const Pose2 wrong[] = {{0.5, 0.0, 0.0},  {0.0, 0.5, 0.0},       {-1.0, 1.0, 0.0},
-                         {0.0, 0.0, 0.15}, {0.0, 0.0, kPi / 2.0}, {0.3, 0.0, kPi}};
+  const Pose2 wrong[] = {{0.5, 0.0, 0.0},  {0.0, 0.5, 0.0},      {-1.0, 1.0, 0.0},
+                         {0.0, 0.0, 0.15}, {0.0, 0.0, pi / 2.0}, {0.3, 0.0, pi}};
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
     const Pose2 truth = random_pose(random);
@@ -83,7 +83,7 @@ TEST(EvidenceModel, TheTruePoseBeatsTheMirroredOnes) {
   const double right = score_evidence(classes, evidence, truth).log_likelihood;
   const Evidence mirror_image = mirrored(evidence);
   for (int i = 0; i < 180; ++i) {
-    const Pose2 turned{truth.x, truth.y, wrap_angle(i * kPi / 90.0)};
+    const Pose2 turned{truth.x, truth.y, wrap_angle(i * pi / 90.0)};
     EXPECT_GT(right, score_evidence(classes, mirror_image, turned).log_likelihood + 20.0) << i;
   }
 }
@@ -179,7 +179,7 @@ TEST(EvidenceModel, ATurnedGridScoresTheSame) {
   const Pose2 truth{6.0, 5.0, 0.7};
   const Evidence evidence = evidence_at(testing::figure7_room(), truth);
   const double straight = score_evidence(classes_of(room_grid()), evidence, truth).log_likelihood;
-  const Pose2 T_map_grid = Pose2{5.0, 5.0, kPi} * Pose2{-6.025, -6.025, 0.0};
+  const Pose2 T_map_grid = Pose2{5.0, 5.0, pi} * Pose2{-6.025, -6.025, 0.0};
   const OccupancyGrid turned =
       testing::drawn_grid(testing::figure7_room(), {6.0, 5.0}, T_map_grid, {12.0, 12.0}, 0.05);
   EXPECT_NEAR(score_evidence(classes_of(turned), evidence, truth).log_likelihood, straight,

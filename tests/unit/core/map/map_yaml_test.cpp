@@ -8,7 +8,7 @@
 namespace cornerfix {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr const char* kLeast = "image: a.pgm\nresolution: 0.05\norigin: [1, 2, 0.5]\n";
 

@@ -13,7 +13,7 @@ namespace {
 
 using testing::IsPointNear;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<PosedScan> room_scans() {
   return testing::mapping_scans(testing::figure7_room(), {6.0, 5.0});
@@ -136,7 +136,7 @@ TEST(Mapper, MovingTheDriveMovesTheFeatures) {
 }
 
 TEST(Mapper, KnowsWhereTheLaserIsMounted) {
-  const Pose2 T_base_link_laser{0.4, 0.2, kPi / 2.0};
+  const Pose2 T_base_link_laser{0.4, 0.2, pi / 2.0};
   std::vector<PosedScan> scans = room_scans();
   const MapContent direct = mapper_of(scans).build();
   for (PosedScan& scan : scans) {

@@ -15,13 +15,13 @@ namespace {
 
 using testing::SceneBuilder;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kCell = 0.05;
+using std::numbers::pi;
+constexpr double kCellSize = 0.05;
 const Point2 kSize(6.0, 4.0);
-const Pose2 kPoses[] = {{1.0, 1.0, 0.3},  {3.0, 1.0, 2.0}, {5.0, 1.2, -1.0},
-                        {1.0, 3.0, -2.5}, {3.1, 2.9, 0.0}, {4.9, 3.1, 1.1}};
+const Pose2 kMappingPoses[] = {{1.0, 1.0, 0.3},  {3.0, 1.0, 2.0}, {5.0, 1.2, -1.0},
+                               {1.0, 3.0, -2.5}, {3.1, 2.9, 0.0}, {4.9, 3.1, 1.1}};
 
-SceneBuilder room() { return SceneBuilder().room({0, 0}, kSize); }
+SceneBuilder plain_room() { return SceneBuilder().room({0, 0}, kSize); }
 
 std::vector<PosedScan> scans_of(const SceneBuilder& scene, std::span<const Pose2> poses,
                                 double noise_m = 0.0, const Pose2& T_base_link_laser = {}) {
@@ -69,16 +69,16 @@ void for_each_cell(const OccupancyGrid& grid, const Check& check) {
 }
 
 TEST(OccupancyMapping, WallsStandWhereTheyAre) {
-  const OccupancyGrid grid = build_occupancy_grid(scans_of(room(), kPoses, 0.01), {});
+  const OccupancyGrid grid = build_occupancy_grid(scans_of(plain_room(), kMappingPoses, 0.01), {});
   for_each_cell(grid, [](const Point2& p, Cell cell) {
     if (cell != Cell::kOccupied) return;
-    EXPECT_LT(std::abs(depth(p)), 1.5 * kCell) << p.transpose();
+    EXPECT_LT(std::abs(depth(p)), 1.5 * kCellSize) << p.transpose();
   });
 }
 
 TEST(OccupancyMapping, WallsHaveNoGaps) {
-  const OccupancyGrid grid = build_occupancy_grid(scans_of(room(), kPoses, 0.01), {});
-  const SceneBuilder scene = room();
+  const OccupancyGrid grid = build_occupancy_grid(scans_of(plain_room(), kMappingPoses, 0.01), {});
+  const SceneBuilder scene = plain_room();
   for (const testing::Wall& wall : scene.walls()) {
     for (int i = 1; i < 100; ++i) {
       const Point2 p = wall.a + (wall.b - wall.a) * (i / 100.0);
@@ -88,11 +88,11 @@ TEST(OccupancyMapping, WallsHaveNoGaps) {
 }
 
 TEST(OccupancyMapping, WallsAreOneOrTwoCellsThick) {
-  const OccupancyGrid grid = build_occupancy_grid(scans_of(room(), kPoses, 0.01), {});
+  const OccupancyGrid grid = build_occupancy_grid(scans_of(plain_room(), kMappingPoses, 0.01), {});
   const auto thickness = [&](const Point2& on_wall, const Point2& across) {
     int cells = 0;
     for (int i = -6; i <= 6; ++i) {
-      cells += at(grid, on_wall + i * kCell * across) == Cell::kOccupied ? 1 : 0;
+      cells += at(grid, on_wall + i * kCellSize * across) == Cell::kOccupied ? 1 : 0;
     }
     return cells;
   };
@@ -106,18 +106,18 @@ TEST(OccupancyMapping, WallsAreOneOrTwoCellsThick) {
 }
 
 TEST(OccupancyMapping, IsFreeInsideTheRoom) {
-  const OccupancyGrid grid = build_occupancy_grid(scans_of(room(), kPoses), {});
+  const OccupancyGrid grid = build_occupancy_grid(scans_of(plain_room(), kMappingPoses), {});
   for_each_cell(grid, [](const Point2& p, Cell cell) {
-    if (depth(p) < 3.0 * kCell) return;
+    if (depth(p) < 3.0 * kCellSize) return;
     EXPECT_EQ(cell, Cell::kFree) << p.transpose();
   });
 }
 
 TEST(OccupancyMapping, IsUnknownOutsideTheRoom) {
-  const OccupancyGrid grid = build_occupancy_grid(scans_of(room(), kPoses), {});
+  const OccupancyGrid grid = build_occupancy_grid(scans_of(plain_room(), kMappingPoses), {});
   std::size_t outside = 0;
   for_each_cell(grid, [&](const Point2& p, Cell cell) {
-    if (depth(p) > -2.0 * kCell) return;
+    if (depth(p) > -2.0 * kCellSize) return;
     EXPECT_EQ(cell, Cell::kUnknown) << p.transpose();
     ++outside;
   });
@@ -125,8 +125,8 @@ TEST(OccupancyMapping, IsUnknownOutsideTheRoom) {
 }
 
 TEST(OccupancyMapping, WhatIsBehindAPillarIsUnknown) {
-  const SceneBuilder scene = room().box({3.0, 2.0}, {0.6, 0.6});
-  const OccupancyGrid grid = build_occupancy_grid(scans_of(scene, kPoses), {});
+  const SceneBuilder scene = plain_room().box({3.0, 2.0}, {0.6, 0.6});
+  const OccupancyGrid grid = build_occupancy_grid(scans_of(scene, kMappingPoses), {});
   EXPECT_EQ(at(grid, {3.0, 2.0}), Cell::kUnknown);
 }
 
@@ -136,7 +136,7 @@ TEST(OccupancyMapping, APersonSeenOnceIsNoWall) {
   std::vector<PosedScan> scans;
   for (int i = 0; i < 10; ++i) {
     const Pose2 pose[] = {{1.0, 1.0 + 0.2 * i, 0.0}};
-    const SceneBuilder scene = i == 4 ? room().box(person, {0.4, 0.4}, 0.3) : room();
+    const SceneBuilder scene = i == 4 ? plain_room().box(person, {0.4, 0.4}, 0.3) : plain_room();
     scans.push_back(scans_of(scene, pose).front());
   }
   const OccupancyGrid grid = build_occupancy_grid(scans, {});
@@ -145,7 +145,7 @@ TEST(OccupancyMapping, APersonSeenOnceIsNoWall) {
 }
 
 TEST(OccupancyMapping, ScansWithoutReturnsLeaveAllUnknown) {
-  PosedScan scan{{.angle_min = -kPi,
+  PosedScan scan{{.angle_min = -pi,
                   .angle_increment = 0.01,
                   .range_min = 0.1,
                   .range_max = 30.0,
@@ -173,7 +173,7 @@ TEST(OccupancyMapping, NothingGivesAnEmptyGrid) {
 
 TEST(OccupancyMapping, LeavesOutWhatIsBeyondMaxRange) {
   const Pose2 pose[] = {{1.0, 2.0, 0.0}};
-  const std::vector<PosedScan> scans = scans_of(room(), pose);
+  const std::vector<PosedScan> scans = scans_of(plain_room(), pose);
   const OccupancyMappingParams near{.max_range_m = 3.0};
   EXPECT_LT(bounds_of(scans.front(), near).max.x(), 4.01);
   const OccupancyGrid grid = build_occupancy_grid(scans, near);
@@ -185,7 +185,7 @@ TEST(OccupancyMapping, LeavesOutWhatIsBeyondMaxRange) {
 TEST(OccupancyMapping, LiesOnWholeCellsOfTheMap) {
   for (const double resolution : {0.02, 0.05, 0.11, 0.3}) {
     const OccupancyGrid grid =
-        build_occupancy_grid(scans_of(room(), kPoses), {.resolution_m = resolution});
+        build_occupancy_grid(scans_of(plain_room(), kMappingPoses), {.resolution_m = resolution});
     EXPECT_EQ(grid.T_map_grid.yaw, 0.0);
     EXPECT_NEAR(std::remainder(grid.T_map_grid.x, resolution), 0.0, 1e-9);
     EXPECT_NEAR(std::remainder(grid.T_map_grid.y, resolution), 0.0, 1e-9);
@@ -196,7 +196,7 @@ TEST(OccupancyMapping, LiesOnWholeCellsOfTheMap) {
 }
 
 TEST(OccupancyMapping, MovingThePosesByWholeCellsMovesTheGrid) {
-  const std::vector<PosedScan> scans = scans_of(room(), kPoses);
+  const std::vector<PosedScan> scans = scans_of(plain_room(), kMappingPoses);
   std::vector<PosedScan> moved = scans;
   for (PosedScan& scan : moved) {
     scan.T_map_base_link.x += 128.0;
@@ -217,7 +217,7 @@ TEST(OccupancyMapping, MovingThePosesByWholeCellsMovesTheGrid) {
 }
 
 TEST(OccupancyMapping, TheOrderOfTheScansChangesNothing) {
-  std::vector<PosedScan> scans = scans_of(room(), kPoses, 0.01);
+  std::vector<PosedScan> scans = scans_of(plain_room(), kMappingPoses, 0.01);
   const OccupancyGrid forward = build_occupancy_grid(scans, {});
   std::reverse(scans.begin(), scans.end());
   EXPECT_EQ(build_occupancy_grid(scans, {}), forward);
@@ -229,7 +229,8 @@ std::vector<PosedScan> mapped_again(const SceneBuilder& before, const SceneBuild
                                     const Pose2& T_map_told = {}) {
   std::vector<PosedScan> scans;
   for (int pass = 0; pass < 10; ++pass) {
-    for (PosedScan& scan : scans_of(before, kPoses, noise_m)) scans.push_back(std::move(scan));
+    for (PosedScan& scan : scans_of(before, kMappingPoses, noise_m))
+      scans.push_back(std::move(scan));
   }
   for (PosedScan& scan : scans_of(after, poses_after, noise_m)) {
     scan.scan.stamp = 86400.0;
@@ -240,26 +241,26 @@ std::vector<PosedScan> mapped_again(const SceneBuilder& before, const SceneBuild
 }
 
 const Point2 kPillar(3.0, 2.0);
-SceneBuilder room_with_pillar() { return room().box(kPillar, {0.6, 0.6}); }
+SceneBuilder room_with_pillar() { return plain_room().box(kPillar, {0.6, 0.6}); }
 
 TEST(OccupancyMapping, WhatALaterDriveLooksThroughIsFreeHoweverOftenItWasSeen) {
   const OccupancyGrid grid =
-      build_occupancy_grid(mapped_again(room_with_pillar(), room(), kPoses), {});
+      build_occupancy_grid(mapped_again(room_with_pillar(), plain_room(), kMappingPoses), {});
   for_each_cell(grid, [](const Point2& p, Cell cell) {
-    if (depth(p) < 3.0 * kCell) return;
+    if (depth(p) < 3.0 * kCellSize) return;
     EXPECT_EQ(cell, Cell::kFree) << p.transpose();
   });
 }
 
 TEST(OccupancyMapping, OneDriveAloneForgetsNothing) {
-  std::vector<PosedScan> scans = mapped_again(room_with_pillar(), room(), kPoses);
+  std::vector<PosedScan> scans = mapped_again(room_with_pillar(), plain_room(), kMappingPoses);
   for (PosedScan& scan : scans) scan.scan.stamp = 0.0;
   EXPECT_TRUE(wall_near(build_occupancy_grid(scans, {}), kPillar + Point2(0.3, 0.0), 1));
 }
 
 TEST(OccupancyMapping, WhatALaterDriveFindsStandsHoweverOftenItWasFree) {
   const OccupancyGrid grid =
-      build_occupancy_grid(mapped_again(room(), room_with_pillar(), kPoses), {});
+      build_occupancy_grid(mapped_again(plain_room(), room_with_pillar(), kMappingPoses), {});
   for (const Point2& face : {Point2(0.3, 0.0), Point2(-0.3, 0.0), Point2(0.0, 0.3)}) {
     EXPECT_TRUE(wall_near(grid, kPillar + face, 1)) << face.transpose();
   }
@@ -268,12 +269,13 @@ TEST(OccupancyMapping, WhatALaterDriveFindsStandsHoweverOftenItWasFree) {
 TEST(OccupancyMapping, WhatALaterDriveDoesNotSeeStays) {
   // From one corner, with a wall across: the far part of the room is out of sight.
   const Pose2 pose[] = {{1.0, 1.0, 0.3}};
-  const SceneBuilder divided = room().wall({1.5, 0.0}, {1.5, 4.0});
-  const OccupancyGrid before = build_occupancy_grid(scans_of(room_with_pillar(), kPoses), {});
+  const SceneBuilder divided = plain_room().wall({1.5, 0.0}, {1.5, 4.0});
+  const OccupancyGrid before =
+      build_occupancy_grid(scans_of(room_with_pillar(), kMappingPoses), {});
   const OccupancyGrid after =
       build_occupancy_grid(mapped_again(room_with_pillar(), divided, pose, 0.0), {});
   for_each_cell(before, [&](const Point2& p, Cell cell) {
-    if (p.x() < 1.5 + 2.5 * kCell) return;
+    if (p.x() < 1.5 + 2.5 * kCellSize) return;
     EXPECT_EQ(at(after, p), cell) << p.transpose();
   });
   EXPECT_TRUE(wall_near(after, {1.5, 2.0}, 1));
@@ -281,8 +283,8 @@ TEST(OccupancyMapping, WhatALaterDriveDoesNotSeeStays) {
 
 /// Someone who walks by, mixed pixels: a beam that ends where many passed.
 TEST(OccupancyMapping, SingleBeamsOfALaterDriveMakeNoWall) {
-  std::vector<PosedScan> scans = mapped_again(room(), room(), {}, 0.0);
-  PosedScan stray = scans_of(room(), std::span(kPoses).first(1)).front();
+  std::vector<PosedScan> scans = mapped_again(plain_room(), plain_room(), {}, 0.0);
+  PosedScan stray = scans_of(plain_room(), std::span(kMappingPoses).first(1)).front();
   stray.scan.stamp = 86400.0;
   for (std::size_t beam = 0; beam < stray.scan.ranges.size(); ++beam) {
     stray.scan.ranges[beam] *= beam % 40 == 0 ? 0.5F : std::numeric_limits<float>::quiet_NaN();
@@ -294,31 +296,31 @@ TEST(OccupancyMapping, SingleBeamsOfALaterDriveMakeNoWall) {
 
 TEST(OccupancyMapping, WallsDoNotGrowThickWhenALaterDriveIsOffByACell) {
   const Pose2 T_map_told{0.04, -0.03, 0.002};
-  const OccupancyGrid once = build_occupancy_grid(scans_of(room(), kPoses, 0.01), {});
-  const OccupancyGrid twice =
-      build_occupancy_grid(mapped_again(room(), room(), kPoses, 0.01, T_map_told), {});
+  const OccupancyGrid once = build_occupancy_grid(scans_of(plain_room(), kMappingPoses, 0.01), {});
+  const OccupancyGrid twice = build_occupancy_grid(
+      mapped_again(plain_room(), plain_room(), kMappingPoses, 0.01, T_map_told), {});
   EXPECT_LT(static_cast<double>(count(twice, Cell::kOccupied)),
             1.15 * static_cast<double>(count(once, Cell::kOccupied)));
   for_each_cell(twice, [](const Point2& p, Cell cell) {
     if (cell != Cell::kOccupied) return;
-    EXPECT_LT(std::abs(depth(p)), 0.06 + 1.5 * kCell) << p.transpose();
+    EXPECT_LT(std::abs(depth(p)), 0.06 + 1.5 * kCellSize) << p.transpose();
   });
 }
 
 TEST(OccupancyMapping, KnowsWhereTheLaserIsMounted) {
-  const Pose2 T_base_link_laser{0.3, -0.2, kPi / 2.0};
+  const Pose2 T_base_link_laser{0.3, -0.2, pi / 2.0};
   const OccupancyGrid grid =
-      build_occupancy_grid(scans_of(room(), kPoses, 0.0, T_base_link_laser), {});
+      build_occupancy_grid(scans_of(plain_room(), kMappingPoses, 0.0, T_base_link_laser), {});
   for_each_cell(grid, [](const Point2& p, Cell cell) {
     if (cell != Cell::kOccupied) return;
-    EXPECT_LT(std::abs(depth(p)), 1.5 * kCell) << p.transpose();
+    EXPECT_LT(std::abs(depth(p)), 1.5 * kCellSize) << p.transpose();
   });
   EXPECT_TRUE(wall_near(grid, {6.0, 2.0}, 1));
 }
 
 TEST(OccupancyMapping, BoundsHoldTheRobotAndWhatItSaw) {
   const Pose2 pose[] = {{1.0, 2.0, 0.7}};
-  const Bounds bounds = bounds_of(scans_of(room(), pose).front(), {});
+  const Bounds bounds = bounds_of(scans_of(plain_room(), pose).front(), {});
   EXPECT_NEAR(bounds.min.x(), 0.0, 1e-3);
   EXPECT_NEAR(bounds.min.y(), 0.0, 1e-3);
   EXPECT_NEAR(bounds.max.x(), 6.0, 1e-3);

@@ -16,8 +16,8 @@ namespace {
 using testing::bytes;
 using testing::drawn;
 
-Result<OccupancyGrid> parse(const std::string& image, const MapImageLimits& limits = {},
-                            MapYaml::Mode mode = MapYaml::Mode::kTrinary) {
+Result<OccupancyGrid> parse_png_image(const std::string& image, const MapImageLimits& limits = {},
+                                      MapYaml::Mode mode = MapYaml::Mode::kTrinary) {
   MapYaml yaml;
   yaml.resolution = 0.1;
   yaml.mode = mode;
@@ -53,23 +53,26 @@ std::string make_png(int color_type, int bit_depth, const std::vector<std::strin
 }
 
 TEST(PngMapImage, ReadsEveryKindOfPng) {
-  EXPECT_EQ(drawn(parse(make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 205, 254})}, 3))), "#?.");
-  EXPECT_EQ(drawn(parse(make_png(PNG_COLOR_TYPE_GRAY, 1, {bytes({0b01000000})}, 2))), "#.");
-  EXPECT_EQ(drawn(parse(make_png(PNG_COLOR_TYPE_GRAY, 16, {bytes({0, 0, 205, 205, 254, 254})}, 3))),
+  EXPECT_EQ(drawn(parse_png_image(make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 205, 254})}, 3))),
             "#?.");
-  EXPECT_EQ(
-      drawn(parse(make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8, {bytes({0, 255, 254, 255, 254, 0})}, 3))),
-      "#.?");
-  EXPECT_EQ(drawn(parse(make_png(PNG_COLOR_TYPE_RGB, 8,
-                                 {bytes({0, 0, 0, 254, 254, 254, 205, 205, 205})}, 3))),
+  EXPECT_EQ(drawn(parse_png_image(make_png(PNG_COLOR_TYPE_GRAY, 1, {bytes({0b01000000})}, 2))),
+            "#.");
+  EXPECT_EQ(drawn(parse_png_image(
+                make_png(PNG_COLOR_TYPE_GRAY, 16, {bytes({0, 0, 205, 205, 254, 254})}, 3))),
+            "#?.");
+  EXPECT_EQ(drawn(parse_png_image(
+                make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8, {bytes({0, 255, 254, 255, 254, 0})}, 3))),
             "#.?");
-  EXPECT_EQ(drawn(parse(make_png(PNG_COLOR_TYPE_PALETTE, 8, {bytes({1, 0})}, 2, false,
-                                 {{255, 255, 255}, {0, 0, 0}}))),
+  EXPECT_EQ(drawn(parse_png_image(make_png(PNG_COLOR_TYPE_RGB, 8,
+                                           {bytes({0, 0, 0, 254, 254, 254, 205, 205, 205})}, 3))),
+            "#.?");
+  EXPECT_EQ(drawn(parse_png_image(make_png(PNG_COLOR_TYPE_PALETTE, 8, {bytes({1, 0})}, 2, false,
+                                           {{255, 255, 255}, {0, 0, 0}}))),
             "#.");
 }
 
 TEST(PngMapImage, TakesAPixelForUnknownThatIsMoreTransparentThanNot) {
-  EXPECT_EQ(drawn(parse(
+  EXPECT_EQ(drawn(parse_png_image(
                 make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8, {bytes({0, 254, 254, 128, 254, 127})}, 3))),
             "#.?");
 }
@@ -81,7 +84,7 @@ TEST(PngMapImage, ReadsAnInterlacedPng) {
     pixels[static_cast<std::size_t>(row)] = 0;
     rows.push_back(pixels);
   }
-  const auto grid = parse(make_png(PNG_COLOR_TYPE_GRAY, 8, rows, 9, true));
+  const auto grid = parse_png_image(make_png(PNG_COLOR_TYPE_GRAY, 8, rows, 9, true));
   ASSERT_TRUE(grid.ok()) << grid.error().message;
   for (int row = 0; row < 9; ++row) {
     for (int column = 0; column < 9; ++column) {
@@ -95,20 +98,20 @@ TEST(PngMapImage, SurvivesEveryCutOfAPng) {
   for (std::size_t i = 0; i < row.size(); ++i) row[i] = static_cast<char>(i * 37);
   const std::string png = make_png(PNG_COLOR_TYPE_GRAY, 8, {row, row, row}, 40);
   for (std::size_t size = 0; size + 16 < png.size(); ++size) {
-    EXPECT_FALSE(parse(png.substr(0, size)).ok()) << size;
+    EXPECT_FALSE(parse_png_image(png.substr(0, size)).ok()) << size;
   }
 }
 
 TEST(PngMapImage, IgnoresTransparencyInARawImage) {
   const std::string clear = make_png(PNG_COLOR_TYPE_GRAY_ALPHA, 8, {bytes({0, 0})}, 1);
-  EXPECT_EQ(drawn(parse(clear)), "?");
-  EXPECT_EQ(drawn(parse(clear, {}, MapYaml::Mode::kRaw)), ".");
+  EXPECT_EQ(drawn(parse_png_image(clear)), "?");
+  EXPECT_EQ(drawn(parse_png_image(clear, {}, MapYaml::Mode::kRaw)), ".");
 }
 
 TEST(PngMapImage, RefusesASizeAboveTheLimit) {
   const std::string png = make_png(PNG_COLOR_TYPE_GRAY, 8, {bytes({0, 0}), bytes({0, 0})}, 2);
-  EXPECT_TRUE(parse(png, {.max_cells = 4}));
-  EXPECT_EQ(parse(png, {.max_cells = 3}).error().code, ErrorCode::kTooLarge);
+  EXPECT_TRUE(parse_png_image(png, {.max_cells = 4}));
+  EXPECT_EQ(parse_png_image(png, {.max_cells = 3}).error().code, ErrorCode::kTooLarge);
 }
 
 TEST(PngMapImage, WritesTheColoursOfMapServerWithTheHighestRowFirst) {
@@ -119,7 +122,7 @@ TEST(PngMapImage, WritesTheColoursOfMapServerWithTheHighestRowFirst) {
   const std::vector<std::byte> png = encode_grid_png(grid);
   ASSERT_TRUE(is_png(png));
   const std::string file(reinterpret_cast<const char*>(png.data()), png.size());
-  EXPECT_EQ(drawn(parse(file)), "?/./#");
+  EXPECT_EQ(drawn(parse_png_image(file)), "?/./#");
 }
 
 TEST(PngMapImage, WritesNothingForAGridWithoutCells) { EXPECT_TRUE(encode_grid_png({}).empty()); }

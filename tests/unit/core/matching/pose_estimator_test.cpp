@@ -31,7 +31,7 @@ std::vector<Correspondence> correspondences_of(const Pose2& T_map_submap, std::s
   return result;
 }
 
-Pose2 random_pose(std::mt19937_64& random) {
+Pose2 pose_in_square(std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   return {50.0 * share(random), 50.0 * share(random), 3.14159 * share(random)};
 }
@@ -39,7 +39,7 @@ Pose2 random_pose(std::mt19937_64& random) {
 TEST(FitRigid, RecoversAKnownPose) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     std::mt19937_64 random(seed);
-    const Pose2 truth = random_pose(random);
+    const Pose2 truth = pose_in_square(random);
     const auto fitted = fit_rigid(correspondences_of(truth, 2 + seed % 10, 0, 0.0, random));
     ASSERT_TRUE(fitted) << seed;
     EXPECT_THAT(*fitted, IsPoseNear(truth, 1e-9, 1e-9)) << seed;
@@ -58,7 +58,7 @@ TEST(FitRigid, HasNoAnswerWithoutADirection) {
 TEST(EstimatePose, RecoversAKnownPoseAmongWrongCorrespondences) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     std::mt19937_64 random(seed);
-    const Pose2 truth = random_pose(random);
+    const Pose2 truth = pose_in_square(random);
     const auto correspondences = correspondences_of(truth, 12, 12, 0.05, random);
     const auto estimate = estimate_pose(correspondences, {.seed = seed});
     ASSERT_TRUE(estimate) << seed;

@@ -17,11 +17,11 @@ namespace {
 using testing::IsPoseNear;
 using testing::SceneBuilder;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kResolution = 0.05;
+using std::numbers::pi;
+constexpr double kFieldResolution = 0.05;
 
 DistanceField field_of(const SceneBuilder& scene, const Pose2& T_map_grid, const Point2& size_m) {
-  OccupancyGrid grid = testing::unknown_grid(T_map_grid, size_m, kResolution);
+  OccupancyGrid grid = testing::unknown_grid(T_map_grid, size_m, kFieldResolution);
   testing::draw_walls(grid, scene);
   return DistanceField(grid);
 }
@@ -44,16 +44,18 @@ Pose2 perturbed(const Pose2& pose, double metres, double radians, std::mt19937_6
 }
 
 /// 60 m long along x, 2 m wide; a lidar of 10 m at (30, 1) does not see its ends.
-SceneBuilder corridor() { return SceneBuilder().wall({0, 0}, {60, 0}).wall({0, 2}, {60, 2}); }
+SceneBuilder long_corridor() { return SceneBuilder().wall({0, 0}, {60, 0}).wall({0, 2}, {60, 2}); }
 
-DistanceField corridor_field() { return field_of(corridor(), {-1.025, -1.025, 0.0}, {62.0, 4.0}); }
+DistanceField corridor_field() {
+  return field_of(long_corridor(), {-1.025, -1.025, 0.0}, {62.0, 4.0});
+}
 
 TEST(ScanRefiner, FindsAPerturbedPoseAgain) {
   const SceneBuilder room = testing::figure7_room();
   const DistanceField field = room_field();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
-    const Pose2 truth = perturbed({6.0, 5.0, 0.0}, 1.5, kPi, random);
+    const Pose2 truth = perturbed({6.0, 5.0, 0.0}, 1.5, pi, random);
     const std::vector<Point2> points = points_seen(room, truth, 30.0, random);
     const Pose2 start = perturbed(truth, 0.1, 0.04, random);
     EXPECT_THAT(refine_pose(field, points, start, {}).T_frame_base_link,
@@ -67,7 +69,7 @@ TEST(ScanRefiner, AWideKernelFirstReachesFarther) {
   const DistanceField field = room_field();
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
-    const Pose2 truth = perturbed({6.0, 5.0, 0.0}, 1.5, kPi, random);
+    const Pose2 truth = perturbed({6.0, 5.0, 0.0}, 1.5, pi, random);
     const std::vector<Point2> points = points_seen(room, truth, 30.0, random);
     const Pose2 start = perturbed(truth, 0.3, 0.15, random);
     const Pose2 coarse = refine_pose(field, points, start, {.kernel_m = 0.4}).T_frame_base_link;
@@ -91,9 +93,9 @@ TEST(ScanRefiner, StrangersInTheScanDoNotPull) {
 TEST(ScanRefiner, LeavesAPoseAtTheAngleSeamThere) {
   const SceneBuilder room = testing::figure7_room();
   std::mt19937_64 random(8);
-  const Pose2 truth{6.0, 5.0, kPi};
+  const Pose2 truth{6.0, 5.0, pi};
   const std::vector<Point2> points = points_seen(room, truth, 30.0, random);
-  for (const double start_yaw : {kPi - 0.03, -kPi + 0.03}) {
+  for (const double start_yaw : {pi - 0.03, -pi + 0.03}) {
     const PosePrior prior = isotropic_prior({6.0, 5.0, -start_yaw}, 0.05, 0.03);
     EXPECT_THAT(
         refine_pose(room_field(), points, {6.0, 5.0, start_yaw}, {}, prior).T_frame_base_link,
@@ -104,7 +106,7 @@ TEST(ScanRefiner, LeavesAPoseAtTheAngleSeamThere) {
 TEST(ScanRefiner, ABareCorridorLeavesItsAxisWhereItWas) {
   std::mt19937_64 random(1);
   const Pose2 truth{30.0, 1.0, 0.3};
-  const std::vector<Point2> points = points_seen(corridor(), truth, 10.0, random);
+  const std::vector<Point2> points = points_seen(long_corridor(), truth, 10.0, random);
   const Pose2 refined =
       refine_pose(corridor_field(), points, {30.4, 1.08, 0.27}, {}).T_frame_base_link;
   EXPECT_NEAR(refined.x, 30.4, 0.03);
@@ -114,9 +116,9 @@ TEST(ScanRefiner, ABareCorridorLeavesItsAxisWhereItWas) {
 
 TEST(ScanRefiner, InformationShowsTheBlindDirection) {
   std::mt19937_64 random(2);
-  for (const double turn : {0.0, 0.5, kPi / 2.0, 2.5}) {
+  for (const double turn : {0.0, 0.5, pi / 2.0, 2.5}) {
     const Pose2 T{0.0, 0.0, turn};
-    const SceneBuilder scene = corridor().moved(T);
+    const SceneBuilder scene = long_corridor().moved(T);
     const Pose2 T_map_grid = T * Pose2{18.0, -11.025, 0.0};  // walls run along its cells
     const DistanceField field = field_of(scene, T_map_grid, {24.0, 24.0});
     const Pose2 truth = T * Pose2{30.0, 1.0, 0.3};
@@ -134,7 +136,7 @@ TEST(ScanRefiner, InformationShowsTheBlindDirection) {
 TEST(ScanRefiner, ASlantedCorridorIsHardlyKnownAlongItsAxis) {
   std::mt19937_64 random(2);
   const Pose2 T{0.0, 0.0, 0.5};
-  const SceneBuilder scene = corridor().moved(T);
+  const SceneBuilder scene = long_corridor().moved(T);
   const Pose2 truth = T * Pose2{30.0, 1.0, 0.3};
   const DistanceField field = field_of(scene, {truth.x - 12.0, truth.y - 12.0, 0.0}, {24.0, 24.0});
   const std::vector<Point2> points = points_seen(scene, truth, 8.0, random);
@@ -154,7 +156,7 @@ TEST(ScanRefiner, ASlantedCorridorIsHardlyKnownAlongItsAxis) {
 TEST(ScanRefiner, APriorPullsAlongTheBlindAxisAlone) {
   std::mt19937_64 random(3);
   const Pose2 truth{30.0, 1.0, 0.0};
-  const std::vector<Point2> points = points_seen(corridor(), truth, 10.0, random);
+  const std::vector<Point2> points = points_seen(long_corridor(), truth, 10.0, random);
   const PosePrior prior = isotropic_prior({30.5, 1.1, 0.0}, 0.2, 0.1);
   const Pose2 refined = refine_pose(corridor_field(), points, truth, {}, prior).T_frame_base_link;
   EXPECT_NEAR(refined.x, 30.5, 0.05);

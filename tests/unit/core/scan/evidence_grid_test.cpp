@@ -17,10 +17,10 @@ namespace {
 
 using testing::SceneBuilder;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kCell = EvidenceGridParams{}.resolution_m;
+using std::numbers::pi;
+constexpr double kEvidenceCell = EvidenceGridParams{}.resolution_m;
 
-SceneBuilder room() {
+SceneBuilder room_with_box() {
   return SceneBuilder().room({-4.0, -3.0}, {5.0, 3.5}).box({2.0, 1.5}, {0.7, 0.9}, 0.5);
 }
 
@@ -50,8 +50,8 @@ void expect_same(const Evidence& actual, const Evidence& expected) {
 }
 
 TEST(EvidenceGrid, ARemovedScanLeavesNoTrace) {
-  const LaserScan first = scan_at(room(), {0.0, 0.0, 0.0});
-  const LaserScan second = scan_at(room(), {1.0, -1.0, 0.8});
+  const LaserScan first = scan_at(room_with_box(), {0.0, 0.0, 0.0});
+  const LaserScan second = scan_at(room_with_box(), {1.0, -1.0, 0.8});
   EvidenceGrid grid;
   grid.add(first, {});
   const Evidence before = grid.collect();
@@ -63,7 +63,7 @@ TEST(EvidenceGrid, ARemovedScanLeavesNoTrace) {
 
 TEST(EvidenceGrid, IsEmptyWhenAllScansAreRemoved) {
   EvidenceGrid grid;
-  const LaserScan scan = scan_at(room(), {});
+  const LaserScan scan = scan_at(room_with_box(), {});
   grid.add(scan, {});
   grid.remove(scan, {});
   EXPECT_TRUE(grid.collect().ends.empty());
@@ -74,7 +74,7 @@ TEST(EvidenceGrid, IsEmptyWhenAllScansAreRemoved) {
 TEST(EvidenceGrid, ARemovedScanAddedAgainCountsOnce) {
   EvidenceGrid once;
   EvidenceGrid again;
-  const LaserScan scan = scan_at(room(), {});
+  const LaserScan scan = scan_at(room_with_box(), {});
   once.add(scan, {});
   again.add(scan, {});
   again.remove(scan, {});
@@ -86,12 +86,12 @@ TEST(EvidenceGrid, ACellHasOneEnd) {
   EvidenceGrid grid;
   for (int i = 0; i < 5; ++i) {
     const Pose2 pose{0.1 * i, 0.05 * i, 0.1 * i};
-    grid.add(scan_at(room(), pose), pose);
+    grid.add(scan_at(room_with_box(), pose), pose);
   }
   std::set<std::pair<long, long>> cells;
   for (const Point2& end : grid.collect().ends) {
-    const auto cell = std::pair(std::lround(std::floor(end.x() / kCell)),
-                                std::lround(std::floor(end.y() / kCell)));
+    const auto cell = std::pair(std::lround(std::floor(end.x() / kEvidenceCell)),
+                                std::lround(std::floor(end.y() / kEvidenceCell)));
     EXPECT_TRUE(cells.insert(cell).second) << end.transpose();
   }
 }
@@ -99,7 +99,7 @@ TEST(EvidenceGrid, ACellHasOneEnd) {
 TEST(EvidenceGrid, ThereIsNothingNewInTheSameScanTwice) {
   EvidenceGrid once;
   EvidenceGrid twice;
-  const LaserScan scan = scan_at(room(), {});
+  const LaserScan scan = scan_at(room_with_box(), {});
   once.add(scan, {});
   twice.add(scan, {});
   twice.add(scan, {});
@@ -109,16 +109,16 @@ TEST(EvidenceGrid, ThereIsNothingNewInTheSameScanTwice) {
 TEST(EvidenceGrid, EndsLieOnWalls) {
   const Pose2 pose{1.0, -1.0, 0.8};
   EvidenceGrid grid;
-  grid.add(scan_at(room(), pose), pose);
+  grid.add(scan_at(room_with_box(), pose), pose);
   const std::vector<Point2> ends = grid.collect().ends;
   EXPECT_GT(ends.size(), 50U);
   for (const Point2& end : ends) {
-    EXPECT_LT(room().distance_to_walls(end), 0.5 * kCell) << end.transpose();
+    EXPECT_LT(room_with_box().distance_to_walls(end), 0.5 * kEvidenceCell) << end.transpose();
   }
 }
 
 TEST(EvidenceGrid, APersonWhoLeftIsLeftOut) {
-  const SceneBuilder with_person = room().box({-1.5, 0.5}, {0.4, 0.4}, 0.2);
+  const SceneBuilder with_person = room_with_box().box({-1.5, 0.5}, {0.4, 0.4}, 0.2);
   EvidenceGrid grid;
   grid.add(scan_at(with_person, {}), {});
   const auto near_person = [&] {
@@ -127,7 +127,7 @@ TEST(EvidenceGrid, APersonWhoLeftIsLeftOut) {
     });
   };
   EXPECT_GT(near_person(), 0);
-  for (int i = 0; i < 6; ++i) grid.add(scan_at(room(), {}), {});
+  for (int i = 0; i < 6; ++i) grid.add(scan_at(room_with_box(), {}), {});
   EXPECT_EQ(near_person(), 0);
 }
 
@@ -135,16 +135,16 @@ TEST(EvidenceGrid, WhatIsFreeIsFree) {
   EvidenceGrid grid;
   for (int i = 0; i < 6; ++i) {
     const Pose2 pose{-2.0 + 0.6 * i, -1.0, 0.5 * i};
-    grid.add(scan_at(room(), pose), pose);
+    grid.add(scan_at(room_with_box(), pose), pose);
   }
   const std::vector<Point2> free = grid.collect().free;
   EXPECT_GT(free.size(), 100U);
   for (const Point2& p : free) {
-    EXPECT_GT(room().distance_to_walls(p), 0.05) << p.transpose();
+    EXPECT_GT(room_with_box().distance_to_walls(p), 0.05) << p.transpose();
     bool seen = false;  // some part of the cell
     for (int i = 0; i < 6 * 9; ++i) {
-      const Point2 part = p + 0.45 * kCell * Point2(i % 3 - 1, i / 3 % 3 - 1);
-      seen = seen || room().sees({-2.0 + 0.6 * (i / 9), -1.0}, part);
+      const Point2 part = p + 0.45 * kEvidenceCell * Point2(i % 3 - 1, i / 3 % 3 - 1);
+      seen = seen || room_with_box().sees({-2.0 + 0.6 * (i / 9), -1.0}, part);
     }
     EXPECT_TRUE(seen) << p.transpose();
   }
@@ -157,12 +157,12 @@ TEST(EvidenceGrid, ALongBeamPassesButDoesNotEnd) {
   const Evidence evidence = grid.collect();
   EXPECT_TRUE(evidence.ends.empty());
   EXPECT_FALSE(evidence.free.empty());
-  const double reach = EvidenceGridParams{}.max_range_m + kCell;
+  const double reach = EvidenceGridParams{}.max_range_m + kEvidenceCell;
   for (const Point2& p : evidence.free) EXPECT_LT(p.norm(), reach);
 }
 
 TEST(EvidenceGrid, WhatLiesOutsideItsSquareIsCutOff) {
-  const LaserScan scan = scan_at(room(), {});
+  const LaserScan scan = scan_at(room_with_box(), {});
   EvidenceGrid grid({0.0, 0.0}, {.extent_m = 4.0});
   grid.add(scan, {});
   const Evidence evidence = grid.collect();
@@ -174,7 +174,7 @@ TEST(EvidenceGrid, WhatLiesOutsideItsSquareIsCutOff) {
 }
 
 TEST(EvidenceGrid, FollowsThePoseOfTheScan) {
-  const LaserScan scan = scan_at(room(), {});
+  const LaserScan scan = scan_at(room_with_box(), {});
   EvidenceGrid here;
   EvidenceGrid there({8.0, -4.0});
   here.add(scan, {});
@@ -186,11 +186,8 @@ TEST(EvidenceGrid, FollowsThePoseOfTheScan) {
 }
 
 TEST(EvidenceGrid, ScansWithoutReturnsSayNothing) {
-  LaserScan scan{.angle_min = -kPi,
-                 .angle_increment = 0.01,
-                 .range_min = 0.1,
-                 .range_max = 30.0,
-                 .ranges = {}};
+  LaserScan scan{
+      .angle_min = -pi, .angle_increment = 0.01, .range_min = 0.1, .range_max = 30.0, .ranges = {}};
   EvidenceGrid grid;
   grid.add(scan, {});
   scan.ranges.assign(600, std::numeric_limits<float>::quiet_NaN());
@@ -200,7 +197,7 @@ TEST(EvidenceGrid, ScansWithoutReturnsSayNothing) {
 }
 
 TEST(EvidenceGrid, AClockwiseLidarSaysTheSame) {
-  const LaserScan scan = scan_at(room(), {});
+  const LaserScan scan = scan_at(room_with_box(), {});
   LaserScan clockwise = scan;
   clockwise.angle_min = scan.bearing(scan.ranges.size() - 1);
   clockwise.angle_increment = -scan.angle_increment;

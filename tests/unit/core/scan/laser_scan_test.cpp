@@ -13,14 +13,14 @@ namespace {
 
 using testing::IsPointNear;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 LaserScan quarter_turns(std::vector<float> ranges) {
-  return {.angle_min = -kPi,
-          .angle_increment = kPi / 2.0,
+  return {.angle_min = -pi,
+          .angle_increment = pi / 2.0,
           .range_min = 0.1,
           .range_max = 10.0,
           .ranges = std::move(ranges)};
@@ -36,7 +36,7 @@ TEST(LaserScan, LooksAlongItsBearings) {
 TEST(LaserScan, AClockwiseLidarLooksTheOtherWay) {
   LaserScan scan = quarter_turns({1.0F, 2.0F});
   scan.angle_min = 0.0;
-  scan.angle_increment = -kPi / 2.0;
+  scan.angle_increment = -pi / 2.0;
   EXPECT_THAT(returns_as_points(scan), ::testing::ElementsAre(IsPointNear(Point2(1, 0), 1e-9),
                                                               IsPointNear(Point2(0, -2), 1e-9)));
 }

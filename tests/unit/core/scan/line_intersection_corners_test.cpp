@@ -23,7 +23,7 @@ using testing::SceneBuilder;
 using testing::simulate_scan;
 using testing::wedge;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Corner> corners_of(const LaserScan& scan) {
   return extract_line_intersection_corners(scan, {});
@@ -36,7 +36,7 @@ std::vector<Corner> corners_of(const SceneBuilder& scene, const Lidar& lidar = {
 }
 
 /// The same tip seen from outside.
-SceneBuilder spike(double half_angle) { return wedge(half_angle).moved({6.0, 0.0, kPi}); }
+SceneBuilder spike(double half_angle) { return wedge(half_angle).moved({6.0, 0.0, pi}); }
 
 TEST(LineIntersectionCorners, AreNoneOnStraightWallsWhateverTheNoise) {
   const auto scene = SceneBuilder().wall({4, -12}, {4, 12}).wall({-3, -9}, {-3, 9});
@@ -69,7 +69,7 @@ TEST(LineIntersectionCorners, AreNoneOnThickRoundPillars) {
   for (const double radius : {0.5, 1.0, 2.0}) {
     std::vector<Point2> circle;
     for (int i = 0; i < 180; ++i) {
-      const double angle = 2.0 * kPi * i / 180.0;
+      const double angle = 2.0 * pi * i / 180.0;
       circle.push_back(Point2(radius + 2.0, 0.0) +
                        radius * Point2(std::cos(angle), std::sin(angle)));
     }
@@ -78,11 +78,11 @@ TEST(LineIntersectionCorners, AreNoneOnThickRoundPillars) {
 }
 
 TEST(LineIntersectionCorners, MeasureTheCornerOfARoom) {
-  const auto corners = corners_of(wedge(kPi / 4.0));
+  const auto corners = corners_of(wedge(pi / 4.0));
   ASSERT_EQ(corners.size(), 1U);
   EXPECT_THAT(corners[0].position, IsPointNear(Point2(3.0, 0.0), 0.001));
-  EXPECT_NEAR(corners[0].turn_angle, kPi / 2.0, 0.001);
-  EXPECT_NEAR(std::abs(corners[0].bisector), kPi, 0.001);  // Back towards the lidar.
+  EXPECT_NEAR(corners[0].turn_angle, pi / 2.0, 0.001);
+  EXPECT_NEAR(std::abs(corners[0].bisector), pi, 0.001);  // Back towards the lidar.
   EXPECT_FALSE(corners[0].convex);
 }
 
@@ -90,7 +90,7 @@ TEST(LineIntersectionCorners, MeasureACornerThatJutsOut) {
   const auto corners = corners_of(spike(1.1));
   ASSERT_EQ(corners.size(), 1U);
   EXPECT_THAT(corners[0].position, IsPointNear(Point2(3.0, 0.0), 0.001));
-  EXPECT_NEAR(corners[0].turn_angle, kPi - 2.2, 0.001);
+  EXPECT_NEAR(corners[0].turn_angle, pi - 2.2, 0.001);
   EXPECT_NEAR(corners[0].bisector, 0.0, 0.001);
   EXPECT_TRUE(corners[0].convex);
 }
@@ -110,7 +110,7 @@ TEST(LineIntersectionCorners, AreFoundWhereverTheSeamFalls) {
   for (const double noise : {0.0, 0.03}) {
     for (int seam = 0; seam < 90; ++seam) {
       // Steps that are no multiple of the 0.25 deg between beams.
-      const Pose2 T_map_laser{0.5, 0.2, 2.0 * kPi * seam / 90.0 + 0.001 * seam};
+      const Pose2 T_map_laser{0.5, 0.2, 2.0 * pi * seam / 90.0 + 0.001 * seam};
       EXPECT_EQ(corners_of(room, {.noise_m = noise}, T_map_laser).size(), 4U) << seam;
     }
   }
@@ -164,8 +164,8 @@ TEST(LineIntersectionCorners, AreFoundInSpiteOfMissingReturns) {
 
 LaserScan full_turn(std::vector<float> ranges) {
   LaserScan scan;
-  scan.angle_min = -kPi;
-  scan.angle_increment = kPi / 180.0;
+  scan.angle_min = -pi;
+  scan.angle_increment = pi / 180.0;
   scan.range_max = 1e38;
   scan.ranges = std::move(ranges);
   return scan;
@@ -243,7 +243,7 @@ Scores scores_in_figure7_room(std::size_t beams, double noise_m) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> offset(-1.0, 1.0);
-    const Pose2 T_map_laser{7.5 + offset(random), 5.0 + offset(random), kPi * offset(random)};
+    const Pose2 T_map_laser{7.5 + offset(random), 5.0 + offset(random), pi * offset(random)};
     const auto scene_laser = scene.moved(inverse(T_map_laser));
     const auto corners = strongest_within_1_m(corners_of(
         simulate_scan(scene, {.beams = beams, .noise_m = noise_m}, T_map_laser, random)));

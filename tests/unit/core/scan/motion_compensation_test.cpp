@@ -10,10 +10,10 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr std::size_t kBeams = 360;
+using std::numbers::pi;
+constexpr std::size_t kMovingBeams = 360;
 constexpr double kScanSeconds = 0.2;
-constexpr double kTimeIncrement = kScanSeconds / kBeams;
+constexpr double kTimeIncrement = kScanSeconds / kMovingBeams;
 
 /// How far it is to the walls of a room of 6 x 4 m about the origin.
 double range_in_room(const Point2& from, double heading) {
@@ -27,11 +27,11 @@ double range_in_room(const Point2& from, double heading) {
 /// A scan by a laser that begins at the origin and moves by `T_begin_end` while it takes it.
 LaserScan scan_on_the_move(const Pose2& T_begin_end) {
   LaserScan scan;
-  scan.angle_min = -kPi;
-  scan.angle_increment = 2.0 * kPi / kBeams;
+  scan.angle_min = -pi;
+  scan.angle_increment = 2.0 * pi / kMovingBeams;
   scan.range_max = 20.0;
-  for (std::size_t beam = 0; beam < kBeams; ++beam) {
-    const double share = static_cast<double>(beam) / kBeams;
+  for (std::size_t beam = 0; beam < kMovingBeams; ++beam) {
+    const double share = static_cast<double>(beam) / kMovingBeams;
     const Point2 position = share * T_begin_end.translation();
     scan.ranges.push_back(
         static_cast<float>(range_in_room(position, scan.bearing(beam) + share * T_begin_end.yaw)));
@@ -40,7 +40,7 @@ LaserScan scan_on_the_move(const Pose2& T_begin_end) {
 }
 
 /// The greatest error of a return, seen from the origin [m].
-double greatest_error(const LaserScan& scan) {
+double greatest_wall_error(const LaserScan& scan) {
   double greatest = 0.0;
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     if (!scan.has_return(beam)) continue;
@@ -58,26 +58,26 @@ std::size_t returns(const LaserScan& scan) { return returns_as_points(scan).size
 TEST(MotionCompensation, StraightensAScanOfARobotThatTurns) {
   const Pose2 turn{0.0, 0.0, 0.3};
   const LaserScan crooked = scan_on_the_move(turn);
-  EXPECT_GT(greatest_error(crooked), 0.1);
+  EXPECT_GT(greatest_wall_error(crooked), 0.1);
   const LaserScan straight = straightened(crooked, {turn, kScanSeconds, kTimeIncrement});
-  EXPECT_LT(greatest_error(straight), 1e-5);
+  EXPECT_LT(greatest_wall_error(straight), 1e-5);
   EXPECT_FALSE(validate(straight));
 }
 
 TEST(MotionCompensation, StraightensAScanOfARobotThatDrives) {
   const Pose2 drive{0.16, 0.05, 0.1};
   const LaserScan crooked = scan_on_the_move(drive);
-  EXPECT_GT(greatest_error(crooked), 0.1);
+  EXPECT_GT(greatest_wall_error(crooked), 0.1);
   const LaserScan straight = straightened(crooked, {drive, kScanSeconds, kTimeIncrement});
   // Half a beam's width on a wall seen at a slant remains.
-  EXPECT_LT(greatest_error(straight), 0.06);
+  EXPECT_LT(greatest_wall_error(straight), 0.06);
   EXPECT_GT(returns(straight), 330U);
 }
 
 TEST(MotionCompensation, TakesAReversedScanFromItsLastBeam) {
   const Pose2 turn{0.0, 0.0, -0.2};
   LaserScan crooked = scan_on_the_move(turn);
-  crooked.angle_min += static_cast<double>(kBeams - 1) * crooked.angle_increment;
+  crooked.angle_min += static_cast<double>(kMovingBeams - 1) * crooked.angle_increment;
   crooked.angle_increment = -crooked.angle_increment;
   std::reverse(crooked.ranges.begin(), crooked.ranges.end());
   crooked.angle_min = -(crooked.angle_min);
@@ -85,7 +85,7 @@ TEST(MotionCompensation, TakesAReversedScanFromItsLastBeam) {
   // Now the last beam was taken first, mirrored: the robot turns the other way.
   const LaserScan straight =
       straightened(crooked, {{0.0, 0.0, 0.2}, kScanSeconds, -kTimeIncrement});
-  EXPECT_LT(greatest_error(straight), 1e-5);
+  EXPECT_LT(greatest_wall_error(straight), 1e-5);
 }
 
 TEST(MotionCompensation, LeavesAScanAsItIsWhenTheRobotStands) {
@@ -94,7 +94,7 @@ TEST(MotionCompensation, LeavesAScanAsItIsWhenTheRobotStands) {
   const LaserScan same = straightened(scan, {{}, kScanSeconds, kTimeIncrement});
   EXPECT_EQ(same.angle_increment, scan.angle_increment);
   EXPECT_FALSE(same.has_return(7));
-  for (std::size_t beam = 0; beam < kBeams; ++beam) {
+  for (std::size_t beam = 0; beam < kMovingBeams; ++beam) {
     if (beam == 7) continue;
     EXPECT_NEAR(same.ranges[beam], scan.ranges[beam], 1e-5F);
   }

@@ -9,7 +9,7 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A free room of 10 x 8 m with walls one cell thick, its lower left inner corner at (0, 0).
 OccupancyGrid box_room(double resolution) {
@@ -41,7 +41,7 @@ double distance_to_wall_of_box_room(const Point2& p, double heading) {
 TEST(RayCaster, MeasuresABoxRoomAsGeometryDoes) {
   const RayCaster caster(box_room(0.05));
   std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> x(0.1, 9.9), y(0.1, 7.9), heading(-kPi, kPi);
+  std::uniform_real_distribution<double> x(0.1, 9.9), y(0.1, 7.9), heading(-pi, pi);
   for (int i = 0; i < 2000; ++i) {
     const Point2 p{x(random), y(random)};
     const double a = heading(random);
@@ -53,8 +53,8 @@ TEST(RayCaster, MeasuresABoxRoomAsGeometryDoes) {
 TEST(RayCaster, LooksAlongAxesExactly) {
   const RayCaster caster(box_room(0.05));
   EXPECT_NEAR(caster.cast({4.0, 3.0}, 0.0, 30.0), 6.0, 1e-6);
-  EXPECT_NEAR(caster.cast({4.0, 3.0}, kPi / 2.0, 30.0), 5.0, 1e-6);
-  EXPECT_NEAR(caster.cast({4.0, 3.0}, kPi, 30.0), 4.0, 1e-6);
+  EXPECT_NEAR(caster.cast({4.0, 3.0}, pi / 2.0, 30.0), 5.0, 1e-6);
+  EXPECT_NEAR(caster.cast({4.0, 3.0}, pi, 30.0), 4.0, 1e-6);
 }
 
 TEST(RayCaster, DoesNotCreepAlongAGridLine) {
@@ -66,7 +66,7 @@ TEST(RayCaster, DoesNotCreepAlongAGridLine) {
   corridor.cells[corridor.offset({0, 2})] = Cell::kOccupied;
   corridor.cells[corridor.offset({0, 1})] = Cell::kOccupied;
   // sin(-pi) is just below zero: the ray never leaves the grid line that it begins on.
-  EXPECT_NEAR(RayCaster(corridor).cast({2'400.0, 0.25}, -kPi, 3'000.0), 2'399.875, 1e-3);
+  EXPECT_NEAR(RayCaster(corridor).cast({2'400.0, 0.25}, -pi, 3'000.0), 2'399.875, 1e-3);
 }
 
 TEST(RayCaster, TakesMinusZeroForADirectionAsItTakesZero) {
@@ -129,7 +129,7 @@ TEST(RayCaster, SeesTheWallsOfAVeryWideGrid) {
   for (int column = 301; column < grid.width - 300; column += 300) {
     const Point2 p{(column + 50) * grid.resolution, 1.0};
     EXPECT_NEAR(caster.cast(p, 0.0, 30.0), 249 * grid.resolution, 1e-6) << "column " << column;
-    EXPECT_NEAR(caster.cast(p, kPi, 30.0), 50 * grid.resolution, 1e-6) << "column " << column;
+    EXPECT_NEAR(caster.cast(p, pi, 30.0), 50 * grid.resolution, 1e-6) << "column " << column;
   }
 }
 
@@ -184,10 +184,10 @@ TEST(RayCaster, KnowsTheClearanceToACell) {
 TEST(RayCaster, ScansWithTheGeometryOfTheLidar) {
   const RayCaster caster(box_room(0.05));
   LaserScan lidar;
-  lidar.angle_min = -kPi / 2.0;
-  lidar.angle_increment = kPi / 2.0;
+  lidar.angle_min = -pi / 2.0;
+  lidar.angle_increment = pi / 2.0;
   lidar.range_max = 5.5;
-  const LaserScan scan = caster.scan(lidar, 3, {4.0, 3.0, kPi / 2.0});
+  const LaserScan scan = caster.scan(lidar, 3, {4.0, 3.0, pi / 2.0});
   ASSERT_EQ(scan.ranges.size(), 3U);
   EXPECT_TRUE(std::isnan(scan.ranges[0]));  // 6 m to the right.
   EXPECT_NEAR(scan.ranges[1], 5.0, 1e-5);

@@ -13,7 +13,7 @@ using testing::Lidar;
 using testing::SceneBuilder;
 using testing::simulate_scan;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<ScanSegment> cut(const LaserScan& scan) { return cut_into_segments(scan, {}); }
@@ -42,7 +42,7 @@ TEST(ScanSegments, CloseARoomSeenAllRound) {
 }
 
 TEST(ScanSegments, StayOpenWithoutAFullTurn) {
-  const Lidar lidar{.beams = 1081, .field_of_view_rad = 1.5 * kPi};
+  const Lidar lidar{.beams = 1081, .field_of_view_rad = 1.5 * pi};
   const auto scan = simulate_scan(SceneBuilder().room({0, 0}, {8, 6}), lidar, {3.0, 2.0, 0.0});
   const auto segments = cut(scan);
   ASSERT_EQ(segments.size(), 1U);
@@ -112,7 +112,7 @@ TEST(ScanSegments, AreNoneWithoutReturns) {
 
 TEST(ScanSegments, AreTheSameWhicheverWayTheLidarTurns) {
   const auto scene = testing::figure7_room();
-  LaserScan scan = simulate_scan(scene, {.field_of_view_rad = 1.4 * kPi}, {7.5, 5.0, 1.0});
+  LaserScan scan = simulate_scan(scene, {.field_of_view_rad = 1.4 * pi}, {7.5, 5.0, 1.0});
   const auto counterclockwise = cut(scan);
   scan.angle_min = scan.bearing(scan.ranges.size() - 1);
   scan.angle_increment = -scan.angle_increment;

@@ -9,7 +9,7 @@
 namespace cornerfix {
 namespace {
 
-OccupancyGrid room(const Point2& size_m) {
+OccupancyGrid mapped_room(const Point2& size_m) {
   const testing::SceneBuilder scene = testing::SceneBuilder().room({0, 0}, size_m);
   return testing::drawn_grid(scene, {1.0, 1.0}, {-1.0, -1.0, 0.0}, size_m + Point2::Constant(2.0),
                              0.05);
@@ -30,28 +30,28 @@ std::size_t beam_towards(const LaserScan& scan, double heading) {
 }
 
 TEST(SimulatedLidar, SeesWallsToWithinACell) {
-  const OccupancyGrid map = room({8.0, 6.0});
+  const OccupancyGrid map = mapped_room({8.0, 6.0});
   const LaserScan scan = SimulatedLidar(map).scan({3.0, 2.0});
   EXPECT_NEAR(scan.ranges[beam_towards(scan, 0.0)], 5.0, 0.051);
   EXPECT_NEAR(scan.ranges[beam_towards(scan, std::numbers::pi / 2)], 4.0, 0.051);
 }
 
 TEST(SimulatedLidar, HasNoReturnFromBeyondTheUnknown) {
-  OccupancyGrid map = room({8.0, 6.0});
+  OccupancyGrid map = mapped_room({8.0, 6.0});
   occupy(map, {5.0, 0.1}, {6.0, 5.9}, Cell::kUnknown);
   const LaserScan scan = SimulatedLidar(map).scan({3.0, 3.0});
   EXPECT_FALSE(scan.has_return(beam_towards(scan, 0.0)));
 }
 
 TEST(SimulatedLidar, SeesThroughANarrowUnknownGap) {
-  OccupancyGrid map = room({8.0, 6.0});
+  OccupancyGrid map = mapped_room({8.0, 6.0});
   occupy(map, {5.0, 0.1}, {5.15, 5.9}, Cell::kUnknown);
   const LaserScan scan = SimulatedLidar(map).scan({3.0, 3.0});
   EXPECT_NEAR(scan.ranges[beam_towards(scan, 0.0)], 5.0, 0.051);
 }
 
 TEST(SimulatedLidar, LooksFromEverySquareMetreOfFreeSpaceAndFromNoWall) {
-  const OccupancyGrid map = room({8.0, 6.0});
+  const OccupancyGrid map = mapped_room({8.0, 6.0});
   const SimulatedLidar lidar(map);
   const auto viewpoints = lidar.viewpoints(1.0, 0.25);
   EXPECT_GE(viewpoints.size(), 48U);
@@ -62,14 +62,14 @@ TEST(SimulatedLidar, LooksFromEverySquareMetreOfFreeSpaceAndFromNoWall) {
 }
 
 TEST(SimulatedLidar, LooksIntoACorridorThatTheLatticeMisses) {
-  const OccupancyGrid map = room({20.0, 0.8});
+  const OccupancyGrid map = mapped_room({20.0, 0.8});
   OccupancyGrid corridor = map;
   occupy(corridor, {0.05, 0.05}, {19.95, 0.75}, Cell::kFree);
   EXPECT_GE(SimulatedLidar(corridor).viewpoints(1.0, 0.25).size(), 19U);
 }
 
 TEST(SimulatedLidar, LooksFromNoSliverThatWasSeenThroughAWindow) {
-  OccupancyGrid map = room({12.0, 6.0});
+  OccupancyGrid map = mapped_room({12.0, 6.0});
   occupy(map, {8.0, 0.1}, {11.9, 5.9}, Cell::kUnknown);
   occupy(map, {7.9, 0.1}, {8.0, 5.9}, Cell::kOccupied);
   occupy(map, {8.0, 2.0}, {9.5, 2.8}, Cell::kFree);

@@ -20,57 +20,58 @@ using testing::SceneBuilder;
 using testing::simulate_scan;
 using testing::wedge;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
-std::vector<Feature> corners_of(const LaserScan& scan) {
+std::vector<Feature> vfp_corners_of(const LaserScan& scan) {
   return extract_vfp_corners(scan, vfp_params_for(scan.angle_increment));
 }
 
 TEST(VfpCorners, FindsNothingOnAStraightWall) {
   const auto scene = SceneBuilder().wall({2, -6}, {2, 6});
-  EXPECT_THAT(corners_of(simulate_scan(scene, {}, {})), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(simulate_scan(scene, {}, {})), IsEmpty());
 }
 
 TEST(VfpCorners, FindsNothingAtTheEndsOfWalls) {
   const auto scene = SceneBuilder().wall({2, -0.6}, {2, 1}).wall({-3, 2}, {-1, 3});
-  EXPECT_THAT(corners_of(simulate_scan(scene, {}, {})), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(simulate_scan(scene, {}, {})), IsEmpty());
 }
 
 TEST(VfpCorners, FindsNothingOnANoisyWall) {
   const auto scene = SceneBuilder().wall({4, -6}, {4, 6}).wall({-4, -6}, {-4, 6});
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     std::mt19937_64 random(seed);
-    EXPECT_THAT(corners_of(simulate_scan(scene, {.noise_m = 0.02}, {}, random)), IsEmpty()) << seed;
+    EXPECT_THAT(vfp_corners_of(simulate_scan(scene, {.noise_m = 0.02}, {}, random)), IsEmpty())
+        << seed;
   }
 }
 
 TEST(VfpCorners, FindsNothingOnABumpOfNoise) {
   LaserScan scan = simulate_scan(SceneBuilder().wall({2, -6}, {2, 6}), {}, {});
   for (std::size_t beam = 719; beam < 722; ++beam) scan.ranges[beam] -= 0.14F;
-  EXPECT_THAT(corners_of(scan), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(scan), IsEmpty());
 }
 
 TEST(VfpCorners, MeasuresARightAngle) {
-  const auto corners = corners_of(simulate_scan(wedge(kPi / 4.0), {}, {}));
+  const auto corners = vfp_corners_of(simulate_scan(wedge(pi / 4.0), {}, {}));
   ASSERT_EQ(corners.size(), 1U);
   EXPECT_THAT(corners[0].position, IsPointNear(Point2(3.0, 0.0), 0.02));
-  EXPECT_NEAR(corners[0].turn_angle, kPi / 2.0, 0.03);
+  EXPECT_NEAR(corners[0].turn_angle, pi / 2.0, 0.03);
   EXPECT_EQ(corners[0].weight, corners[0].turn_angle);
-  EXPECT_NEAR(std::abs(corners[0].bisector), kPi, 0.02);  // Back towards the lidar.
+  EXPECT_NEAR(std::abs(corners[0].bisector), pi, 0.02);  // Back towards the lidar.
 }
 
 TEST(VfpCorners, MeasuresAnObtuseCornerThatPointsAtTheLidar) {
-  const auto scene = wedge(1.1).moved({6.0, 0.0, kPi});
-  const auto corners = corners_of(simulate_scan(scene, {}, {}));
+  const auto scene = wedge(1.1).moved({6.0, 0.0, pi});
+  const auto corners = vfp_corners_of(simulate_scan(scene, {}, {}));
   ASSERT_EQ(corners.size(), 1U);
   EXPECT_THAT(corners[0].position, IsPointNear(Point2(3.0, 0.0), 0.02));
-  EXPECT_NEAR(corners[0].turn_angle, kPi - 2.2, 0.03);
+  EXPECT_NEAR(corners[0].turn_angle, pi - 2.2, 0.03);
   EXPECT_NEAR(corners[0].bisector, 0.0, 0.02);
 }
 
 TEST(VfpCorners, NeedsMoreThanTheLeastTurn) {
-  EXPECT_THAT(corners_of(simulate_scan(wedge(1.3), {}, {})), IsEmpty());  // 31 deg
-  EXPECT_EQ(corners_of(simulate_scan(wedge(1.2), {}, {})).size(), 1U);    // 43 deg
+  EXPECT_THAT(vfp_corners_of(simulate_scan(wedge(1.3), {}, {})), IsEmpty());  // 31 deg
+  EXPECT_EQ(vfp_corners_of(simulate_scan(wedge(1.2), {}, {})).size(), 1U);    // 43 deg
 }
 
 TEST(VfpCorners, FindsTheSameCornersWhereverTheSeamFalls) {
@@ -82,8 +83,8 @@ TEST(VfpCorners, FindsTheSameCornersWhereverTheSeamFalls) {
     const Point2 to_corner = corner - lidar;
     // The corner lies straight behind, where the first and the last beam meet.
     const Pose2 T_map_laser{lidar.x(), lidar.y(),
-                            wrap_angle(std::atan2(to_corner.y(), to_corner.x()) + kPi)};
-    const auto found = corners_of(simulate_scan(scene, {}, T_map_laser));
+                            wrap_angle(std::atan2(to_corner.y(), to_corner.x()) + pi)};
+    const auto found = vfp_corners_of(simulate_scan(scene, {}, T_map_laser));
     EXPECT_TRUE(std::ranges::any_of(found, [&](const Feature& f) {
       return (T_map_laser * f.position - corner).norm() < 0.03;
     })) << corner.transpose();
@@ -93,17 +94,17 @@ TEST(VfpCorners, FindsTheSameCornersWhereverTheSeamFalls) {
 TEST(VfpCorners, FindsACornerAtTheSeamOfAClosedRoom) {
   const auto scene = SceneBuilder().room({-4, -3}, {4, 3});
   const double to_corner = std::atan2(3.0, 4.0);
-  const auto found = corners_of(simulate_scan(scene, {}, {0.0, 0.0, to_corner + kPi}));
+  const auto found = vfp_corners_of(simulate_scan(scene, {}, {0.0, 0.0, to_corner + pi}));
   EXPECT_EQ(found.size(), 4U);
 }
 
 TEST(VfpCorners, TurnWithTheLidar) {
   const auto scene = figure7_room();
   const Pose2 T_map_laser{7.5, 5.0, 0.4};
-  const auto here = corners_of(simulate_scan(scene, {}, T_map_laser));
+  const auto here = vfp_corners_of(simulate_scan(scene, {}, T_map_laser));
   const Pose2 T_other_map{-20.0, 35.0, 2.5};
   const auto there =
-      corners_of(simulate_scan(scene.moved(T_other_map), {}, T_other_map * T_map_laser));
+      vfp_corners_of(simulate_scan(scene.moved(T_other_map), {}, T_other_map * T_map_laser));
   ASSERT_EQ(here.size(), there.size());
   for (std::size_t i = 0; i < here.size(); ++i) {
     EXPECT_THAT(there[i].position, IsPointNear(here[i].position, 1e-3));
@@ -113,11 +114,11 @@ TEST(VfpCorners, TurnWithTheLidar) {
 
 TEST(VfpCorners, AreTheSameWhicheverWayTheLidarTurns) {
   LaserScan scan = simulate_scan(figure7_room(), {}, {7.5, 5.0, 0.4});
-  const auto counterclockwise = corners_of(scan);
+  const auto counterclockwise = vfp_corners_of(scan);
   scan.angle_min = scan.bearing(scan.ranges.size() - 1);
   scan.angle_increment = -scan.angle_increment;
   std::ranges::reverse(scan.ranges);
-  EXPECT_EQ(corners_of(scan).size(), counterclockwise.size());
+  EXPECT_EQ(vfp_corners_of(scan).size(), counterclockwise.size());
 }
 
 TEST(VfpCorners, KeepTheLargestTurnOfEachNeighborhood) {
@@ -125,7 +126,7 @@ TEST(VfpCorners, KeepTheLargestTurnOfEachNeighborhood) {
   VfpParams params = vfp_params_for(scan.angle_increment);
   params.suppression_radius_m = 1e-6;
   const auto all = extract_vfp_corners(scan, params);
-  const auto kept = corners_of(scan);
+  const auto kept = vfp_corners_of(scan);
   ASSERT_GT(all.size(), kept.size());
   for (const Feature& corner : kept) {
     for (const Feature& other : all) {
@@ -137,18 +138,18 @@ TEST(VfpCorners, KeepTheLargestTurnOfEachNeighborhood) {
 
 TEST(VfpCorners, AreNoneInScansWithoutShape) {
   LaserScan scan;
-  scan.angle_min = -kPi;
-  scan.angle_increment = kPi / 180.0;
+  scan.angle_min = -pi;
+  scan.angle_increment = pi / 180.0;
   scan.range_max = 30.0;
-  EXPECT_THAT(corners_of(scan), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(scan), IsEmpty());
   scan.ranges = {2.0F};
-  EXPECT_THAT(corners_of(scan), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(scan), IsEmpty());
   scan.ranges.assign(360, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(corners_of(scan), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(scan), IsEmpty());
   scan.ranges.assign(360, 5.0F);
-  EXPECT_THAT(corners_of(scan), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(scan), IsEmpty());
   scan.ranges.assign(360, 0.0F);
-  EXPECT_THAT(corners_of(scan), IsEmpty());
+  EXPECT_THAT(vfp_corners_of(scan), IsEmpty());
 }
 
 struct Rates {
@@ -168,7 +169,7 @@ Rates rates_in_figure7_room(std::size_t beams, double noise_m) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> offset(-1.0, 1.0);
-    const Pose2 T_map_laser{7.5 + offset(random), 5.0 + offset(random), kPi * offset(random)};
+    const Pose2 T_map_laser{7.5 + offset(random), 5.0 + offset(random), pi * offset(random)};
     const Lidar lidar{.beams = beams, .noise_m = noise_m};
     const LaserScan scan = simulate_scan(scene, lidar, T_map_laser, random);
     VfpParams params = vfp_params_for(scan.angle_increment);
@@ -218,13 +219,13 @@ class VfpBeams : public ::testing::TestWithParam<std::size_t> {};
 TEST_P(VfpBeams, FindsTheCornersOfARoom) {
   const auto scene = SceneBuilder().room({0, 0}, {7, 5});
   const Pose2 T_map_laser{3.0, 2.2, 0.7};
-  const auto found = corners_of(simulate_scan(scene, {.beams = GetParam()}, T_map_laser));
+  const auto found = vfp_corners_of(simulate_scan(scene, {.beams = GetParam()}, T_map_laser));
   EXPECT_EQ(found.size(), 4U);
   for (const Feature& corner : found) {
     const Point2 p = T_map_laser * corner.position;
-    const double spacing = 2.0 * kPi / static_cast<double>(GetParam()) * corner.position.norm();
+    const double spacing = 2.0 * pi / static_cast<double>(GetParam()) * corner.position.norm();
     EXPECT_THAT(p, IsPointNear(Point2(p.x() < 3.5 ? 0.0 : 7.0, p.y() < 2.5 ? 0.0 : 5.0), spacing));
-    EXPECT_NEAR(corner.turn_angle, kPi / 2.0, 0.35);
+    EXPECT_NEAR(corner.turn_angle, pi / 2.0, 0.35);
   }
 }
 
@@ -258,13 +259,13 @@ TEST(SmoothnessScores, OfASinglePointIsZero) {
 }
 
 TEST(VfpParams, RunFromTheFineToTheCoarseSet) {
-  const VfpParams fine = vfp_params_for(0.1 * kPi / 180.0);
+  const VfpParams fine = vfp_params_for(0.1 * pi / 180.0);
   EXPECT_EQ(fine.window, 10);
   EXPECT_DOUBLE_EQ(fine.min_score, 0.001);
-  const VfpParams half = vfp_params_for(0.5 * kPi / 180.0);
+  const VfpParams half = vfp_params_for(0.5 * pi / 180.0);
   EXPECT_EQ(half.window, 7);
   EXPECT_NEAR(half.min_score, 0.002, 1e-9);
-  const VfpParams coarse = vfp_params_for(-2.0 * kPi / 180.0);
+  const VfpParams coarse = vfp_params_for(-2.0 * pi / 180.0);
   EXPECT_EQ(coarse.window, 4);
   EXPECT_DOUBLE_EQ(coarse.min_score, 0.004);
   EXPECT_DOUBLE_EQ(coarse.inlier_distance_m, 0.12);

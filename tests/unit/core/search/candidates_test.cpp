@@ -4,29 +4,17 @@
 #include <gtest/gtest.h>
 
 #include "core/src/search/same_place.hpp"
-#include "support/floor_plans.hpp"
 #include "support/mapped_floor.hpp"
 #include "support/matchers.hpp"
-#include "support/seen_view.hpp"
+#include "unit/core/search/seen_offices.hpp"
 
 namespace cornerfix {
 namespace {
 
+using namespace search_tests;
 using testing::IsPoseNear;
 
-const Pose2 kPath[] = {{1.0, 1.0, 0.0}, {2.0, 1.0, 0.5}, {2.0, 2.5, 1.5}, {2.2, 4.5, 1.4}};
-const Pose2 kTruth = kPath[3];
 constexpr double kDepth = 0.75;
-
-const LocalizationMapPtr& office_map() {
-  static const LocalizationMapPtr map = testing::make_map(testing::offices(), {1.0, 1.0});
-  return map;
-}
-
-const View& office_view() {
-  static const View view = testing::view_along(testing::offices(), kPath);
-  return view;
-}
 
 /// The poses, considered one after the other, in a map as large as the offices.
 Candidates considered(const std::vector<Pose2>& poses) {

@@ -3,28 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "support/floor_plans.hpp"
 #include "support/mapped_floor.hpp"
 #include "support/matchers.hpp"
-#include "support/seen_view.hpp"
+#include "unit/core/search/seen_offices.hpp"
 
 namespace cornerfix {
 namespace {
 
+using namespace search_tests;
 using testing::IsPoseNear;
 
-const Pose2 kPath[] = {{1.0, 1.0, 0.0}, {2.0, 1.0, 0.5}, {2.0, 2.5, 1.5}, {2.2, 4.5, 1.4}};
-const Pose2 kTruth = kPath[3];
-
 const std::vector<LocalizationMapPtr>& office_maps() {
-  static const std::vector<LocalizationMapPtr> maps{
-      testing::make_map(testing::offices(), {1.0, 1.0})};
+  static const std::vector<LocalizationMapPtr> maps{office_map()};
   return maps;
-}
-
-const View& office_view() {
-  static const View view = testing::view_along(testing::offices(), kPath);
-  return view;
 }
 
 class GlobalSearchMethods : public ::testing::TestWithParam<Method> {};

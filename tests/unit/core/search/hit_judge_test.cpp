@@ -9,7 +9,7 @@ namespace cornerfix {
 namespace {
 
 /// A free room of 6 m x 4 m whose walls are the outermost cells of 0.2 m.
-MapSketch room() {
+MapSketch room_sketch() {
   MapSketch sketch;
   sketch.cell_m = 0.2;
   sketch.width = 30;
@@ -40,21 +40,21 @@ std::vector<Point2> hits_from(const Pose2& T_grid_base_link) {
   return hits;
 }
 
-const Pose2 kTruth{2.0, 1.4, 0.7};
+const Pose2 kPoseInRoom{2.0, 1.4, 0.7};
 
 TEST(HitJudge, GivesTheWeightOfAWallWhereAllHitsAreOnWalls) {
-  const auto mean = HitJudge(hits_from(kTruth)).mean_at(room(), kTruth);
+  const auto mean = HitJudge(hits_from(kPoseInRoom)).mean_at(room_sketch(), kPoseInRoom);
   ASSERT_TRUE(mean);
   EXPECT_NEAR(*mean, 0.41, 1e-6);
 }
 
 TEST(HitJudge, GivesUpWhereTheFirstHitsAreInFreeSpace) {
   const HitJudge judge(std::vector<Point2>{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}});
-  EXPECT_FALSE(judge.mean_at(room(), {3.0, 2.0, 0.0}));
+  EXPECT_FALSE(judge.mean_at(room_sketch(), {3.0, 2.0, 0.0}));
 }
 
 TEST(HitJudge, KnowsNoPoseInUnknownSpace) {
-  EXPECT_FALSE(HitJudge(hits_from(kTruth)).mean_at(room(), {-1.0, 1.0, 0.0}));
+  EXPECT_FALSE(HitJudge(hits_from(kPoseInRoom)).mean_at(room_sketch(), {-1.0, 1.0, 0.0}));
 }
 
 TEST(HitJudge, LeavesOutFarHits) {
@@ -63,13 +63,13 @@ TEST(HitJudge, LeavesOutFarHits) {
 }
 
 TEST(HitJudge, MovesANearPoseToTheTrueOne) {
-  const HitJudge judge(hits_from(kTruth));
-  const Pose2 near = kTruth * Pose2{0.15, -0.1, 0.05};
-  const auto mean = judge.mean_at(room(), near);
+  const HitJudge judge(hits_from(kPoseInRoom));
+  const Pose2 near = kPoseInRoom * Pose2{0.15, -0.1, 0.05};
+  const auto mean = judge.mean_at(room_sketch(), near);
   ASSERT_TRUE(mean);
-  const auto [refined_mean, refined] = judge.refined(room(), *mean, near);
+  const auto [refined_mean, refined] = judge.refined(room_sketch(), *mean, near);
   EXPECT_GT(refined_mean, *mean);
-  EXPECT_LT(distance(refined, kTruth), distance(near, kTruth));
+  EXPECT_LT(distance(refined, kPoseInRoom), distance(near, kPoseInRoom));
   EXPECT_NEAR(refined_mean, 0.41, 0.05);
 }
 

@@ -13,7 +13,7 @@ namespace cornerfix {
 namespace {
 
 /// A free room of 2 m x 2 m with a wall around it, in cells of 0.1 m; unknown beyond.
-OccupancyGrid room() {
+OccupancyGrid square_room() {
   OccupancyGrid grid;
   grid.resolution = 0.1;
   grid.T_map_grid = {5.0, -3.0, 0.0};
@@ -45,7 +45,7 @@ TEST(MapSketch, KnowsWallsFreeSpaceAndWhatIsUnknown) {
 }
 
 TEST(MapSketch, TakesTheMostLikelyLevelOfTheCellsThatItJoins) {
-  const MapSketch sketch = sketch_of({}, room());
+  const MapSketch sketch = sketch_of({}, square_room());
   EXPECT_EQ(sketch.width, 20);
   EXPECT_EQ(sketch.height, 20);
   EXPECT_NEAR(sketch.free_area_m2, 4.0, 1e-9);
@@ -59,7 +59,7 @@ TEST(MapSketch, HoldsCornersInItsOwnFrame) {
   corner.position = {6.0, -2.0};
   corner.bisector = 0.5;
   corner.convex = true;
-  const MapSketch sketch = sketch_of(std::vector{corner}, room());
+  const MapSketch sketch = sketch_of(std::vector{corner}, square_room());
   ASSERT_EQ(sketch.corners.size(), 1U);
   EXPECT_NEAR(sketch.corners[0].x, 1.0, 1e-6);
   EXPECT_NEAR(sketch.corners[0].y, 1.0, 1e-6);
@@ -72,7 +72,7 @@ TEST(MapSketch, KeepsTheCornersThatWereSeenMostOften) {
   for (Feature& corner : corners) corner.count = 2;
   corners.front().count = 1;
   corners.front().convex = true;
-  const MapSketch sketch = sketch_of(corners, room());
+  const MapSketch sketch = sketch_of(corners, square_room());
   ASSERT_EQ(sketch.corners.size(), MapSketch::kMaxCorners);
   for (const SketchCorner& corner : sketch.corners) ASSERT_FALSE(corner.convex);
 }

@@ -11,25 +11,27 @@
 namespace cornerfix {
 namespace {
 
-constexpr int kWidth = 12;
-constexpr int kHeight = 8;
+constexpr int kBlockColumns = 12;
+constexpr int kBlockRows = 8;
 constexpr std::uint8_t kBeyond = 7;
 
 std::vector<std::uint8_t> random_cells() {
   std::mt19937_64 random(2);
-  std::vector<std::uint8_t> cells(kWidth * kHeight);
+  std::vector<std::uint8_t> cells(kBlockColumns * kBlockRows);
   for (std::uint8_t& cell : cells) cell = static_cast<std::uint8_t>(random() % 32);
   return cells;
 }
 
 TEST(BlockField, HoldsTheMaximumOfEachBlockOfCells) {
   const std::vector<std::uint8_t> cells = random_cells();
-  const BlockField field(cells, kWidth, kHeight, kBeyond);
+  const BlockField field(cells, kBlockColumns, kBlockRows, kBeyond);
   const auto at = [&](int x, int y) {
-    return x < kWidth && y < kHeight ? cells[static_cast<std::size_t>(y * kWidth + x)] : kBeyond;
+    return x < kBlockColumns && y < kBlockRows
+               ? cells[static_cast<std::size_t>(y * kBlockColumns + x)]
+               : kBeyond;
   };
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kBlockRows; ++y) {
+    for (int x = 0; x < kBlockColumns; ++x) {
       const auto block = {at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)};
       EXPECT_EQ(field.cell(x, y), at(x, y));
       EXPECT_EQ(*field.maxima_from(x, y), std::max(block)) << x << ", " << y;
@@ -38,7 +40,7 @@ TEST(BlockField, HoldsTheMaximumOfEachBlockOfCells) {
 }
 
 TEST(BlockField, BlocksOfARowFollowEachOther) {
-  const BlockField field(random_cells(), kWidth, kHeight, kBeyond);
+  const BlockField field(random_cells(), kBlockColumns, kBlockRows, kBeyond);
   const std::uint8_t* row = field.maxima_from(1, 3);
   EXPECT_EQ(row + 1, field.maxima_from(1 + kBlock, 3));
   EXPECT_EQ(row + field.blocks_a_row(), field.maxima_from(1, 3 + kBlock));

@@ -20,15 +20,15 @@ namespace {
 using testing::IsPoseNear;
 using testing::SceneBuilder;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const std::vector<Point2> kHere{Point2::Zero()};  ///< The way of a robot that has not moved.
 
-ClassField classes_of(const OccupancyGrid& grid) { return {grid, DistanceField(grid)}; }
+ClassField class_field_of(const OccupancyGrid& grid) { return {grid, DistanceField(grid)}; }
 
 ClassField room_classes(double resolution = 0.05, double yaw = 0.0) {
   const Pose2 T_map_grid = Pose2{5.0, 5.0, yaw} * Pose2{-7.025, -7.025, 0.0};
-  return classes_of(testing::drawn_grid(testing::figure7_room(), {6.0, 5.0}, T_map_grid,
-                                        {14.0, 14.0}, resolution));
+  return class_field_of(testing::drawn_grid(testing::figure7_room(), {6.0, 5.0}, T_map_grid,
+                                            {14.0, 14.0}, resolution));
 }
 
 std::vector<Point2> ends_at(const SceneBuilder& scene, const Pose2& T_map_laser,
@@ -42,8 +42,8 @@ std::vector<Point2> ends_at(const SceneBuilder& scene, const Pose2& T_map_laser,
   return grid.collect().ends;
 }
 
-Pose2 random_pose(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> x(4.0, 8.0), y(3.5, 7.0), yaw(-kPi, kPi);
+Pose2 pose_in_room(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> x(4.0, 8.0), y(3.5, 7.0), yaw(-pi, pi);
   return {x(random), y(random), yaw(random)};
 }
 
@@ -72,7 +72,7 @@ TEST(PlaceSearch, FindsTheTruePlaceInAllOfTheMap) {
     const PlaceSearch search(room_classes(resolution));
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
       std::mt19937_64 random(seed);
-      const Pose2 truth = random_pose(random);
+      const Pose2 truth = pose_in_room(random);
       const std::vector<Place> places =
           search.find(ends_at(testing::figure7_room(), truth, seed), kHere, {});
       ASSERT_FALSE(places.empty()) << "seed " << seed << ", " << resolution << " m/cell";
@@ -99,11 +99,11 @@ TEST(PlaceSearch, NoPoseOfALatticeIsBetterThanTheBestPlace) {
   const SceneBuilder scene =
       SceneBuilder().room({0, 0}, {5.0, 4.0}).box({1.2, 2.8}, {0.8, 0.5}, 0.4).wall({3, 0}, {3, 1});
   const ClassField classes =
-      classes_of(testing::drawn_grid(scene, {2.0, 1.0}, {-0.5, -0.5, 0.0}, {6.0, 5.0}, 0.05));
+      class_field_of(testing::drawn_grid(scene, {2.0, 1.0}, {-0.5, -0.5, 0.0}, {6.0, 5.0}, 0.05));
   const PlaceSearch search(classes);
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> x(1.5, 4.5), y(0.5, 2.0), yaw(-kPi, kPi), share(0, 1);
+    std::uniform_real_distribution<double> x(1.5, 4.5), y(0.5, 2.0), yaw(-pi, pi), share(0, 1);
     const std::vector<Point2> ends = ends_at(scene, {x(random), y(random), yaw(random)}, seed);
     const PlaceSearchParams params{.max_points = 1000, .min_mean_weight = -1.0};
     const std::vector<Place> places = search.find(ends, {}, params);
@@ -114,7 +114,7 @@ TEST(PlaceSearch, NoPoseOfALatticeIsBetterThanTheBestPlace) {
       for (int column = 0; column < 25; ++column) {
         for (int row = 0; row < 20; ++row) {
           const Pose2 pose{0.2 * column + offset.x(), 0.2 * row + offset.y(),
-                           wrap_angle(heading * kPi / 90.0)};
+                           wrap_angle(heading * pi / 90.0)};
           best = std::max(best, mean_weight(classes, ends, pose));
         }
       }
@@ -157,12 +157,12 @@ TEST(PlaceSearch, PlacesAreDistinct) {
 TEST(PlaceSearch, ASymmetricRoomHasTwoPlaces) {
   const SceneBuilder scene = SceneBuilder().room({0, 0}, {8.0, 5.0});
   const PlaceSearch search(
-      classes_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {10.0, 7.0}, 0.05)));
+      class_field_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {10.0, 7.0}, 0.05)));
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> x(1.0, 3.0), y(0.8, 4.2), yaw(-kPi, kPi);
+    std::uniform_real_distribution<double> x(1.0, 3.0), y(0.8, 4.2), yaw(-pi, pi);
     const Pose2 truth{x(random), y(random), yaw(random)};
-    const Pose2 twin{8.0 - truth.x, 5.0 - truth.y, wrap_angle(truth.yaw + kPi)};
+    const Pose2 twin{8.0 - truth.x, 5.0 - truth.y, wrap_angle(truth.yaw + pi)};
     const std::vector<Place> places = search.find(ends_at(scene, truth, seed), kHere, {});
     ASSERT_GE(places.size(), 2U) << "seed " << seed;
     const std::vector<Place> best(places.begin(), places.begin() + 2);
@@ -261,7 +261,7 @@ TEST(PlaceSearch, AForeignPlaceScoresLow) {
 }
 
 TEST(PlaceSearch, AnEmptyMapHasNoPlaces) {
-  const PlaceSearch search(classes_of(OccupancyGrid{}));
+  const PlaceSearch search(class_field_of(OccupancyGrid{}));
   EXPECT_TRUE(search.find(kHere, kHere, {.min_mean_weight = -10.0}).empty());
 }
 
@@ -273,7 +273,7 @@ TEST(PlaceSearch, AMapSmallerThanABlockIsSearched) {
   OccupancyGrid grid = testing::unknown_grid({2.0, 1.0, 0.0}, {0.3, 0.25}, 0.05);
   std::ranges::fill(grid.cells, Cell::kFree);
   grid.cells[grid.offset({4, 2})] = Cell::kOccupied;
-  const PlaceSearch search(classes_of(grid));
+  const PlaceSearch search(class_field_of(grid));
   const std::vector<Place> places = search.find(kHere, {}, {});
   ASSERT_FALSE(places.empty());
   EXPECT_LT(distance(places.front().T_map_base_link, {2.225, 1.125, 0.0}), 0.45);
@@ -282,7 +282,7 @@ TEST(PlaceSearch, AMapSmallerThanABlockIsSearched) {
 TEST(PlaceSearch, AMapWithoutWallsIsNoPlaceForEnds) {
   OccupancyGrid grid = testing::unknown_grid({}, {5.0, 5.0}, 0.05);
   std::ranges::fill(grid.cells, Cell::kFree);
-  EXPECT_TRUE(PlaceSearch(classes_of(grid))
+  EXPECT_TRUE(PlaceSearch(class_field_of(grid))
                   .find(ends_at(testing::figure7_room(), {6.0, 5.0, 0.0}), kHere, {})
                   .empty());
 }
@@ -381,7 +381,7 @@ TEST(PlaceSearch, FarPointsWithinReachAreFound) {
                                  .box({10.0, 0.5}, {1.0, 1.0})
                                  .box({33.0, 2.6}, {2.0, 0.8});
   const PlaceSearch search(
-      classes_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {52.0, 5.0}, 0.05)));
+      class_field_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {52.0, 5.0}, 0.05)));
   std::vector<Point2> ends;
   const Pose2 truth{2.0, 1.6, 0.1};
   for (const Point2& p : returns_as_points(
@@ -398,7 +398,7 @@ TEST(PlaceSearch, ALookThatGoesDeeperFindsWhatADeepOneDoes) {
   const SceneBuilder scene =
       SceneBuilder().room({0, 0}, {25.0, 15.0}).box({12.0, 10.0}, {2.0, 1.0}, 0.4);
   const PlaceSearch search(
-      classes_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {27.0, 17.0}, 0.05)));
+      class_field_of(testing::drawn_grid(scene, {1, 1}, {-1.0, -1.0, 0.0}, {27.0, 17.0}, 0.05)));
   const std::vector<Point2> ends = ends_at(scene, {9.0, 12.0, 0.4});
   const auto places_by = [&](const std::vector<double>& limits) {
     PlaceSearch::Run run(search, ends, kHere, {});

@@ -9,7 +9,7 @@
 namespace cornerfix {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const StartRegion kDock{.map = "floor", .center = {2.0, 1.0}, .radius_m = 1.0};
 
 StartRegion dock_with_heading(double yaw, double tolerance_rad) {
@@ -31,10 +31,10 @@ TEST(SearchRegion, IsACircleInOneMapOrInAny) {
 }
 
 TEST(SearchRegion, LeavesHeadingsWithinTheTolerance) {
-  const SearchRegion region(dock_with_heading(kPi, 0.3));
-  EXPECT_TRUE(region.contains({2.0, 1.0, -kPi + 0.29}));
-  EXPECT_FALSE(region.contains({2.0, 1.0, -kPi + 0.31}));
-  EXPECT_TRUE(region.contains({2.0, 1.0, -kPi + 0.31}, 0.0, 0.02));
+  const SearchRegion region(dock_with_heading(pi, 0.3));
+  EXPECT_TRUE(region.contains({2.0, 1.0, -pi + 0.29}));
+  EXPECT_FALSE(region.contains({2.0, 1.0, -pi + 0.31}));
+  EXPECT_TRUE(region.contains({2.0, 1.0, -pi + 0.31}, 0.0, 0.02));
 }
 
 TEST(SearchRegion, MovesWithTheRobot) {
@@ -69,16 +69,16 @@ TEST(SearchRegion, CountsItsKnownFreeSpace) {
   const LocalizationMapPtr map = testing::mapped_floor(
       testing::SceneBuilder().room({0, 0}, {10, 10}), {{5.0, 5.0}}, {10.0, 10.0});
   const StartRegion inside{.center = {5.0, 5.0}, .radius_m = 2.0};
-  EXPECT_NEAR(SearchRegion(inside).free_area_m2(*map), 4.0 * kPi, 0.3);
+  EXPECT_NEAR(SearchRegion(inside).free_area_m2(*map), 4.0 * pi, 0.3);
   const StartRegion at_the_wall{.center = {0.0, 5.0}, .radius_m = 2.0};
-  EXPECT_NEAR(SearchRegion(at_the_wall).free_area_m2(*map), 2.0 * kPi, 0.4);
+  EXPECT_NEAR(SearchRegion(at_the_wall).free_area_m2(*map), 2.0 * pi, 0.4);
   const StartRegion everywhere{.center = {5.0, 5.0}, .radius_m = 1e5};
   EXPECT_DOUBLE_EQ(SearchRegion(everywhere).free_area_m2(*map), map->free_area_m2());
   const StartRegion elsewhere{.map = "other", .center = {5.0, 5.0}, .radius_m = 2.0};
   EXPECT_EQ(SearchRegion(elsewhere).free_area_m2(*map), 0.0);
   const StartRegion one_way{
-      .center = {5.0, 5.0}, .radius_m = 2.0, .yaw = 0.0, .yaw_tolerance_rad = kPi / 4.0};
-  EXPECT_NEAR(SearchRegion(one_way).free_area_m2(*map), kPi, 0.1) << "a quarter of the headings";
+      .center = {5.0, 5.0}, .radius_m = 2.0, .yaw = 0.0, .yaw_tolerance_rad = pi / 4.0};
+  EXPECT_NEAR(SearchRegion(one_way).free_area_m2(*map), pi, 0.1) << "a quarter of the headings";
 }
 
 TEST(StartRegion, ErrorsNameTheField) {

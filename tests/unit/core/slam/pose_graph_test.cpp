@@ -10,13 +10,13 @@ namespace {
 
 using testing::IsPoseNear;
 
-constexpr std::size_t kPoses = 40;
+constexpr std::size_t kPosesOfLoop = 40;
 
 /// Once around a circle of 10 m, across the angle seam.
 std::vector<Pose2> true_poses() {
   std::vector<Pose2> poses;
-  for (std::size_t i = 0; i < kPoses; ++i) {
-    const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / kPoses;
+  for (std::size_t i = 0; i < kPosesOfLoop; ++i) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / kPosesOfLoop;
     poses.push_back({10.0 * std::cos(angle), 10.0 * std::sin(angle),
                      wrap_angle(angle + std::numbers::pi / 2.0)});
   }
@@ -44,9 +44,9 @@ PoseGraph drifting_graph(const std::vector<Pose2>& truth) {
 TEST(PoseGraph, FindsThePosesThatTheRelationsTell) {
   const std::vector<Pose2> truth = true_poses();
   PoseGraph graph = drifting_graph(truth);
-  graph.relations.push_back(relation(truth, 0, kPoses - 1));
+  graph.relations.push_back(relation(truth, 0, kPosesOfLoop - 1));
   ASSERT_TRUE(optimize(graph));
-  for (std::size_t i = 0; i < kPoses; ++i)
+  for (std::size_t i = 0; i < kPosesOfLoop; ++i)
     EXPECT_THAT(graph.poses[i], IsPoseNear(truth[i], 1e-4, 1e-5)) << i;
 }
 
@@ -64,12 +64,12 @@ TEST(PoseGraph, SpreadsAContradictionOverTheLoop) {
   const std::vector<Pose2> truth = true_poses();
   PoseGraph graph = drifting_graph(truth);
   graph.poses = truth;
-  PoseRelation closure = relation(truth, 0, kPoses - 1);
+  PoseRelation closure = relation(truth, 0, kPosesOfLoop - 1);
   closure.T_from_to.x += 0.4;
   graph.relations.push_back(closure);
   ASSERT_TRUE(optimize(graph));
   double farthest = 0.0;
-  for (std::size_t i = 1; i < kPoses; ++i) {
+  for (std::size_t i = 1; i < kPosesOfLoop; ++i) {
     const Pose2 moved = inverse(graph.poses[i - 1]) * graph.poses[i];
     farthest = std::max(farthest, distance(moved, inverse(truth[i - 1]) * truth[i]));
   }
@@ -83,7 +83,7 @@ TEST(PoseGraph, IsHardlyBentByAFalseClosureThatMayBeWrong) {
     PoseGraph graph = drifting_graph(truth);
     graph.poses = truth;
     for (const std::size_t from : {0, 2, 4, 6}) {
-      PoseRelation closure = relation(truth, from, kPoses - 1 - from);
+      PoseRelation closure = relation(truth, from, kPosesOfLoop - 1 - from);
       closure.may_be_wrong = true;
       graph.relations.push_back(closure);
     }

@@ -7,7 +7,7 @@ namespace {
 
 const Eigen::Matrix3d kConstrained = Eigen::Vector3d{2e4, 2e4, 1e5}.asDiagonal();
 const Eigen::Matrix3d kCorridor = Eigen::Vector3d{1.0, 2e4, 1e5}.asDiagonal();  // along x
-const Pose2 kStep{0.08, 0.0, 0.0};
+const Pose2 kTrueStep{0.08, 0.0, 0.0};
 
 OdometryMonitor after(int scans, const Pose2& odometry, const Pose2& matched,
                       const Eigen::Matrix3d& information, OdometryMonitor monitor = {}) {
@@ -21,15 +21,15 @@ TEST(OdometryMonitor, BeginsTrusted) {
 }
 
 TEST(OdometryMonitor, UsesOdometryThatAgreesWithTheScans) {
-  EXPECT_EQ(after(50, kStep, {0.083, 0.001, 0.002}, kConstrained).use(), OdometryUse::kUsed);
+  EXPECT_EQ(after(50, kTrueStep, {0.083, 0.001, 0.002}, kConstrained).use(), OdometryUse::kUsed);
 }
 
 TEST(OdometryMonitor, IgnoresOdometryThatNeverChanges) {
-  EXPECT_EQ(after(10, {}, kStep, kConstrained).use(), OdometryUse::kIgnored);
+  EXPECT_EQ(after(10, {}, kTrueStep, kConstrained).use(), OdometryUse::kIgnored);
 }
 
 TEST(OdometryMonitor, IgnoresAWrongHeading) {
-  EXPECT_EQ(after(10, {0.0, 0.08, 0.0}, kStep, kConstrained).use(), OdometryUse::kIgnored);
+  EXPECT_EQ(after(10, {0.0, 0.08, 0.0}, kTrueStep, kConstrained).use(), OdometryUse::kIgnored);
 }
 
 TEST(OdometryMonitor, CannotJudgeMotionAlongABareCorridor) {
@@ -38,26 +38,26 @@ TEST(OdometryMonitor, CannotJudgeMotionAlongABareCorridor) {
 }
 
 TEST(OdometryMonitor, DistrustLastsThroughABareCorridor) {
-  const OdometryMonitor before = after(10, {}, kStep, kConstrained);
+  const OdometryMonitor before = after(10, {}, kTrueStep, kConstrained);
   const OdometryMonitor later = after(200, {}, {0.0, 0.001, 0.0}, kCorridor, before);
   EXPECT_EQ(later.use(), OdometryUse::kIgnored);
 }
 
 TEST(OdometryMonitor, TakesOdometryUpAgainOnceItAgrees) {
-  const OdometryMonitor before = after(10, {}, kStep, kConstrained);
-  EXPECT_EQ(after(60, kStep, kStep, kConstrained, before).use(), OdometryUse::kUsed);
+  const OdometryMonitor before = after(10, {}, kTrueStep, kConstrained);
+  EXPECT_EQ(after(60, kTrueStep, kTrueStep, kConstrained, before).use(), OdometryUse::kUsed);
 }
 
 TEST(OdometryMonitor, OneJumpIsForgottenSoon) {
-  OdometryMonitor monitor = after(20, kStep, kStep, kConstrained);
-  monitor.add({49.0, 3.0, 1.0}, kStep, kConstrained);
+  OdometryMonitor monitor = after(20, kTrueStep, kTrueStep, kConstrained);
+  monitor.add({49.0, 3.0, 1.0}, kTrueStep, kConstrained);
   EXPECT_NE(monitor.use(), OdometryUse::kIgnored);
   EXPECT_GT(monitor.noise_scale().x(), 1.5);
-  EXPECT_EQ(after(30, kStep, kStep, kConstrained, monitor).use(), OdometryUse::kUsed);
+  EXPECT_EQ(after(30, kTrueStep, kTrueStep, kConstrained, monitor).use(), OdometryUse::kUsed);
 }
 
 TEST(OdometryMonitor, OdometryThatHangsIsNotTrustedAgainWhileTheRobotStands) {
-  const OdometryMonitor before = after(10, {}, kStep, kConstrained);
+  const OdometryMonitor before = after(10, {}, kTrueStep, kConstrained);
   EXPECT_EQ(after(100, {}, {}, kConstrained, before).use(), OdometryUse::kIgnored);
 }
 
@@ -67,7 +67,7 @@ TEST(OdometryMonitor, TheVerdictDoesNotDependOnTheScanRate) {
 }
 
 TEST(OdometryMonitor, ContinuesFromItsSums) {
-  const OdometryMonitor monitor = after(10, {}, kStep, kConstrained);
+  const OdometryMonitor monitor = after(10, {}, kTrueStep, kConstrained);
   EXPECT_EQ(OdometryMonitor(monitor.sums()).noise_scale(), monitor.noise_scale());
 }
 

@@ -16,11 +16,11 @@ namespace {
 using testing::IsPoseNear;
 using testing::SceneBuilder;
 
-const testing::Lidar kLidar{.beams = 360, .noise_m = 0.01};
+const testing::Lidar kTrackingLidar{.beams = 360, .noise_m = 0.01};
 
-std::vector<Point2> seen_from(const SceneBuilder& scene, const Pose2& pose,
-                              std::mt19937_64& random) {
-  return returns_as_points(testing::simulate_scan(scene, kLidar, pose, random));
+std::vector<Point2> points_seen_from(const SceneBuilder& scene, const Pose2& pose,
+                                     std::mt19937_64& random) {
+  return returns_as_points(testing::simulate_scan(scene, kTrackingLidar, pose, random));
 }
 
 // Of a motion that the scans constrain in all directions, and of one that only odometry measured.
@@ -38,7 +38,7 @@ TEST(PoseTracker, CorrectsTheDriftOfTheWay) {
     const Pose2 motion{0.1, 0.0, 0.1};
     truth = truth * motion;
     tracker.predict(motion * Pose2{0.004, 0.002, 0.002}, kMatched);
-    EXPECT_EQ(tracker.update(*map, seen_from(hall(), truth, random), {0.0, 0.0}),
+    EXPECT_EQ(tracker.update(*map, points_seen_from(hall(), truth, random), {0.0, 0.0}),
               TrackingVerdict::kFits);
   }
   EXPECT_THAT(tracker.T_map_base_link(), IsPoseNear(truth, 0.03, 0.01));
@@ -54,7 +54,7 @@ TEST(PoseTracker, TheOtherSidesOfKnownWallsDoNotPullThePose) {
   PoseTracker tracker(truth);
   for (int i = 0; i < 30; ++i) {
     tracker.predict({0.0, 0.0, 0.0}, kMatched);
-    EXPECT_EQ(tracker.update(*map, seen_from(right, truth, random), {0.0, 0.0}),
+    EXPECT_EQ(tracker.update(*map, points_seen_from(right, truth, random), {0.0, 0.0}),
               TrackingVerdict::kMisfits);
   }
   EXPECT_EQ(tracker.T_map_base_link(), truth);
@@ -71,7 +71,7 @@ TEST(PoseTracker, IsLessSureAlongABareCorridorThanAcrossIt) {
     truth = truth * Pose2{0.1, 0.0, 0.0};
     tracker.predict({0.1, 0.0, 0.0}, kMatched);
     std::vector<Point2> near;
-    for (const Point2& p : seen_from(corridor, truth, random)) {
+    for (const Point2& p : points_seen_from(corridor, truth, random)) {
       if (p.norm() < 8.0) near.push_back(p);
     }
     EXPECT_EQ(tracker.update(*map, near, {0.0, 0.0}), TrackingVerdict::kFits);
@@ -88,7 +88,7 @@ TEST(PoseTracker, IsLessSureAfterDrivingUnseenAndSurerAfterAScan) {
   tracker.predict({1.0, 0.0, 0.3}, kUnmatched);
   const double after_way = tracker.covariance().trace();
   EXPECT_GT(after_way, at_first);
-  const auto points = seen_from(hall(), tracker.T_map_base_link(), random);
+  const auto points = points_seen_from(hall(), tracker.T_map_base_link(), random);
   EXPECT_EQ(tracker.update(*map, points, {0.0, 0.0}), TrackingVerdict::kFits);
   EXPECT_LT(tracker.covariance().trace(), after_way);
 }
@@ -110,7 +110,7 @@ TEST(PoseTracker, FindsAPoseThatIsOffAlongItsUncertainDirection) {
   PoseTracker tracker({6.3, 3.0, 0.0}, covariance, std::nullopt);
   tracker.predict({0.0, 0.0, 0.5}, kMatched);
   tracker.predict({0.0, 0.0, -0.5}, kMatched);
-  EXPECT_EQ(tracker.update(*map, seen_from(hall(), truth, random), {0.0, 0.0}),
+  EXPECT_EQ(tracker.update(*map, points_seen_from(hall(), truth, random), {0.0, 0.0}),
             TrackingVerdict::kFits);
   EXPECT_THAT(tracker.T_map_base_link(), IsPoseNear(truth, 0.05, 0.02));
 }
@@ -125,7 +125,7 @@ TEST(PoseTracker, RepeatedScansFromOnePlaceAddLittle) {
     standing.predict({0.0, 0.0, 0.0}, Eigen::Matrix3d::Zero());
     driving.predict({0.0, 0.0, 1.0}, Eigen::Matrix3d::Zero());
     driving.predict({0.0, 0.0, -1.0}, Eigen::Matrix3d::Zero());
-    const auto points = seen_from(hall(), truth, random);
+    const auto points = points_seen_from(hall(), truth, random);
     EXPECT_EQ(standing.update(*map, points, {0.0, 0.0}), TrackingVerdict::kFits);
     EXPECT_EQ(driving.update(*map, points, {0.0, 0.0}), TrackingVerdict::kFits);
   }
@@ -152,7 +152,7 @@ TEST(PoseTracker, AnotherPlaceMisfits) {
   std::mt19937_64 random(5);
   PoseTracker tracker({2.0, 4.0, 0.0});
   const SceneBuilder elsewhere = SceneBuilder().room({-1.2, -1.1}, {1.3, 1.2});
-  EXPECT_EQ(tracker.update(*map, seen_from(elsewhere, {}, random), {0.0, 0.0}),
+  EXPECT_EQ(tracker.update(*map, points_seen_from(elsewhere, {}, random), {0.0, 0.0}),
             TrackingVerdict::kMisfits);
 }
 

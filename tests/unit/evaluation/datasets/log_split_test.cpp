@@ -6,8 +6,8 @@
 namespace cornerfix::evaluation {
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 /// A scan a metre, every third without a pose.
 RecordedLog walk(std::size_t scans) {

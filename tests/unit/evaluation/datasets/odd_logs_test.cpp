@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kHeader =
+constexpr const char* kOddLogHeader =
     R"({"name": "office", "beams": 3, "angle_min": -1.5, "angle_increment": 1.5, )"
     R"("range_min": 0.1, "range_max": 20.0})"
     "\n";
@@ -39,8 +39,8 @@ std::string lines_stamped(const std::vector<double>& stamps) {
 }
 
 TEST_F(OddLogs, SortsScansThatWereRecordedALittleOutOfOrder) {
-  auto reader =
-      LogReader::open(directory_.write("a.jsonl", kHeader + lines_stamped({2, 1, 4, 3, 6, 5})));
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", kOddLogHeader + lines_stamped({2, 1, 4, 3, 6, 5})));
   ASSERT_TRUE(reader.ok());
   const RecordedLog log = read_all(*reader);
   ASSERT_EQ(log.scans.size(), 6U);
@@ -51,8 +51,8 @@ TEST_F(OddLogs, SortsScansThatWereRecordedALittleOutOfOrder) {
 }
 
 TEST_F(OddLogs, CountsScansThatAreOutOfOrderByFar) {
-  auto reader = LogReader::open(
-      directory_.write("a.jsonl", kHeader + lines_stamped({5, 5.1, 5.2, 5.3, 5.4, 5.5, 5.6, 4})));
+  auto reader = LogReader::open(directory_.write(
+      "a.jsonl", kOddLogHeader + lines_stamped({5, 5.1, 5.2, 5.3, 5.4, 5.5, 5.6, 4})));
   ASSERT_TRUE(reader.ok());
   EXPECT_EQ(read_all(*reader).scans.size(), 7U);
   ASSERT_EQ(reader->faults().count(), 1U);
@@ -61,15 +61,15 @@ TEST_F(OddLogs, CountsScansThatAreOutOfOrderByFar) {
 
 TEST_F(OddLogs, LeavesAScanOutThatRepeatsTheOneBefore) {
   const std::string line = lines_stamped({5});
-  auto reader = LogReader::open(directory_.write("a.jsonl", kHeader + line + line));
+  auto reader = LogReader::open(directory_.write("a.jsonl", kOddLogHeader + line + line));
   ASSERT_TRUE(reader.ok());
   EXPECT_EQ(read_all(*reader).scans.size(), 1U);
   EXPECT_THAT(remarks(*reader), HasSubstr("repeats the scan before"));
 }
 
 TEST_F(OddLogs, BeginsANewRunWhenTheStampsJumpAhead) {
-  auto reader =
-      LogReader::open(directory_.write("a.jsonl", kHeader + lines_stamped({10, 11, 3700, 3701})));
+  auto reader = LogReader::open(
+      directory_.write("a.jsonl", kOddLogHeader + lines_stamped({10, 11, 3700, 3701})));
   ASSERT_TRUE(reader.ok());
   const RecordedLog log = read_all(*reader);
   ASSERT_EQ(log.scans.size(), 4U);
@@ -105,7 +105,7 @@ TEST_F(OddLogs, TakesTheNanAndInfinityThatPythonWritesForNoReturn) {
 
 TEST_F(OddLogs, PassesOverAByteOrderMark) {
   const std::string lines = lines_stamped({0, 1});
-  const auto json = read_log(directory_.write("a.jsonl", "\xef\xbb\xbf" + (kHeader + lines)));
+  const auto json = read_log(directory_.write("a.jsonl", "\xef\xbb\xbf" + (kOddLogHeader + lines)));
   ASSERT_TRUE(json.ok()) << json.error().message;
   EXPECT_EQ(json->scans.size(), 2U);
   const auto carmen = read_log(directory_.write("a.log",
@@ -120,12 +120,13 @@ TEST_F(OddLogs, NamesWhatIsExpectedOfAWrongLine) {
     const auto log = LogReader::open(directory_.write(name, text));
     return log.ok() ? "" : log.error().message;
   };
-  EXPECT_THAT(message_of("a.jsonl", kHeader + std::string(R"({"t": 0, "ranges": "none"})")),
+  EXPECT_THAT(message_of("a.jsonl", kOddLogHeader + std::string(R"({"t": 0, "ranges": "none"})")),
               HasSubstr("ranges: expected an array of metres or null"));
-  EXPECT_THAT(message_of("a.jsonl", kHeader + std::string(R"({"t": 0, "odom": {"x": 1}})")),
+  EXPECT_THAT(message_of("a.jsonl", kOddLogHeader + std::string(R"({"t": 0, "odom": {"x": 1}})")),
               HasSubstr("odom: expected [x, y, yaw] or null"));
-  EXPECT_THAT(message_of("a.jsonl", kHeader + std::string(R"({"t": 17e17, "ranges": [1, 1, 1]})")),
-              HasSubstr("t: expected seconds from -1e12 to 1e12"));
+  EXPECT_THAT(
+      message_of("a.jsonl", kOddLogHeader + std::string(R"({"t": 17e17, "ranges": [1, 1, 1]})")),
+      HasSubstr("t: expected seconds from -1e12 to 1e12"));
   EXPECT_THAT(message_of("a.jsonl", lines_stamped({0, 1})),
               HasSubstr("header: without angle_min, angle_increment, range_max, expected name, "
                         "beams, angle_min"));
@@ -168,7 +169,7 @@ TEST_F(OddLogs, TakesTheGeometryOfASecondHeader) {
       R"({"name": "b", "beams": 2, "angle_min": 0, "angle_increment": 0.5, "range_max": 9})"
       "\n";
   auto reader = LogReader::open(directory_.write(
-      "a.jsonl", kHeader + lines_stamped({1, 2}) + second + R"({"t": 3, "ranges": [1, 1]})"));
+      "a.jsonl", kOddLogHeader + lines_stamped({1, 2}) + second + R"({"t": 3, "ranges": [1, 1]})"));
   ASSERT_TRUE(reader.ok()) << reader.error().message;
   const RecordedLog log = read_all(*reader);
   EXPECT_EQ(remarks(*reader), "");
@@ -180,7 +181,7 @@ TEST_F(OddLogs, TakesTheGeometryOfASecondHeader) {
 TEST_F(OddLogs, UsesAScanWhoseOdometryIsNaN) {
   for (const char* odom : {"[NaN, NaN, NaN]", "[1, 2, NaN]", "[null, null, null]"}) {
     auto reader = LogReader::open(directory_.write(
-        "a.jsonl", kHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "odom": )") + odom +
+        "a.jsonl", kOddLogHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "odom": )") + odom +
                        R"(, "pose": [1, 2, 3]})"));
     ASSERT_TRUE(reader.ok()) << odom << reader.error().message;
     const RecordedLog log = read_all(*reader);
@@ -212,8 +213,8 @@ TEST_F(OddLogs, TakesTheConstantThatStandsForNoReturn) {
 }
 
 TEST_F(OddLogs, LeavesOutAScanWhoseStampIsNoTime) {
-  auto reader = LogReader::open(
-      directory_.write("a.jsonl", kHeader + lines_stamped({10, 10.1, 4e8, 10.3, 1, 10.4, 10.5})));
+  auto reader = LogReader::open(directory_.write(
+      "a.jsonl", kOddLogHeader + lines_stamped({10, 10.1, 4e8, 10.3, 1, 10.4, 10.5})));
   ASSERT_TRUE(reader.ok());
   const RecordedLog log = read_all(*reader);
   EXPECT_EQ(log.scans.size(), 5U);
@@ -252,14 +253,17 @@ std::string lines_with(const std::string& ranges, int count = 8, double step = 0
 }
 
 TEST_F(OddLogs, SaysWhyMostScansHaveNoReturn) {
-  EXPECT_EQ(remarks_about(directory_.write("a.jsonl", kHeader + lines_with("[4100, 2300, null]"))),
-            "8 of 8 scans have no return (range_min 0.1 m, range_max 20 m): of their ranges 67 % "
-            "are above, 0 % below, 33 % not finite; the longest is 4100 m; expected metres, are "
-            "these millimetres?");
-  EXPECT_THAT(remarks_about(directory_.write("b.jsonl", kHeader + lines_with("[0, 0, 0.05]"))),
-              HasSubstr("of their ranges 0 % are above, 100 % below, 0 % not finite"));
-  EXPECT_EQ(remarks_about(directory_.write("c.jsonl", kHeader + lines_with("[1, null, null]"))),
-            "");
+  EXPECT_EQ(
+      remarks_about(directory_.write("a.jsonl", kOddLogHeader + lines_with("[4100, 2300, null]"))),
+      "8 of 8 scans have no return (range_min 0.1 m, range_max 20 m): of their ranges 67 % "
+      "are above, 0 % below, 33 % not finite; the longest is 4100 m; expected metres, are "
+      "these millimetres?");
+  EXPECT_THAT(
+      remarks_about(directory_.write("b.jsonl", kOddLogHeader + lines_with("[0, 0, 0.05]"))),
+      HasSubstr("of their ranges 0 % are above, 100 % below, 0 % not finite"));
+  EXPECT_EQ(
+      remarks_about(directory_.write("c.jsonl", kOddLogHeader + lines_with("[1, null, null]"))),
+      "");
 }
 
 TEST_F(OddLogs, NamesRangesThatAreFartherThanLidarsSee) {
@@ -273,9 +277,9 @@ TEST_F(OddLogs, NamesRangesThatAreFartherThanLidarsSee) {
 
 TEST_F(OddLogs, AsksForTheUnitOfStampsThatAreFarApart) {
   for (const double step : {100.0, 100000.0}) {
-    EXPECT_THAT(
-        remarks_about(directory_.write("a.jsonl", kHeader + lines_with("[1, 1, 1]", 8, step))),
-        HasSubstr("most scans are more than 20 s apart"))
+    EXPECT_THAT(remarks_about(
+                    directory_.write("a.jsonl", kOddLogHeader + lines_with("[1, 1, 1]", 8, step))),
+                HasSubstr("most scans are more than 20 s apart"))
         << step;
   }
 }
@@ -290,7 +294,8 @@ TEST_F(OddLogs, NamesStampsAndPosesThatNoRunHas) {
   };
   for (const auto& [member, message] : member_and_message) {
     const std::string line = "{" + member + R"(, "ranges": [1, 1, 1]})";
-    EXPECT_THAT(remarks_about(directory_.write("a.jsonl", kHeader + line)), HasSubstr(message));
+    EXPECT_THAT(remarks_about(directory_.write("a.jsonl", kOddLogHeader + line)),
+                HasSubstr(message));
   }
   EXPECT_THAT(remarks_about(
                   directory_.write("a.log", "FLASER 3 1 2 3 0 0 0 0 0 0 1700000000000 host 1.0\n")),
@@ -310,7 +315,7 @@ TEST_F(OddLogs, NamesATimeIncrementThatIsNoTime) {
 TEST_F(OddLogs, TakesTheNumbersThatOtherLanguagesWriteForNoReturn) {
   for (const char* ranges : {"[1, nan, inf]", "[1, -inf, -nan]", R"([1, "NaN", "Infinity"])",
                              R"([1, "inf", "-Infinity"])"}) {
-    const auto log = read_log(directory_.write("a.jsonl", kHeader + lines_with(ranges)));
+    const auto log = read_log(directory_.write("a.jsonl", kOddLogHeader + lines_with(ranges)));
     ASSERT_TRUE(log.ok()) << log.error().message;
     ASSERT_EQ(log->scans.size(), 8U) << ranges;
     EXPECT_TRUE(log->scans[0].scan.has_return(0));
@@ -320,13 +325,14 @@ TEST_F(OddLogs, TakesTheNumbersThatOtherLanguagesWriteForNoReturn) {
 }
 
 TEST_F(OddLogs, RefusesAMemberThatIsThereTwice) {
-  EXPECT_THAT(remarks_about(directory_.write(
-                  "a.jsonl", kHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "t": 2})"))),
-              HasSubstr("t: there twice, expected once"));
+  EXPECT_THAT(
+      remarks_about(directory_.write(
+          "a.jsonl", kOddLogHeader + std::string(R"({"t": 1, "ranges": [1, 1, 1], "t": 2})"))),
+      HasSubstr("t: there twice, expected once"));
 }
 
 TEST_F(OddLogs, SaysThatEachLineHoldsOneObject) {
-  std::string text = kHeader + lines_with("[1, 1, 1]");
+  std::string text = kOddLogHeader + lines_with("[1, 1, 1]");
   std::replace(text.begin(), text.end(), '\n', '\r');
   EXPECT_THAT(remarks_about(directory_.write("a.jsonl", text)),
               HasSubstr("expected one object per line, ended by LF"));
@@ -338,7 +344,7 @@ TEST_F(OddLogs, TakesTheScansOfOneNamedLidar) {
     lines += R"({"t": )" + std::to_string(i) + R"(, "ranges": [1, 1, )" + std::to_string(i + 1) +
              R"(], "lidar": ")" + (i % 3 == 0 ? "front" : "rear") + "\"}\n";
   }
-  const auto path = directory_.write("a.jsonl", kHeader + lines);
+  const auto path = directory_.write("a.jsonl", kOddLogHeader + lines);
   auto front = LogReader::open(path);
   ASSERT_TRUE(front.ok());
   EXPECT_EQ(read_all(*front).scans.size(), 2U);
@@ -348,13 +354,13 @@ TEST_F(OddLogs, TakesTheScansOfOneNamedLidar) {
   EXPECT_EQ(read_all(*rear).scans.size(), 4U);
   EXPECT_EQ(remarks_about(path, {.lidar = "side"}),
             "holds no scan of side; its scans are of front (2), rear (4)");
-  EXPECT_EQ(remarks_about(directory_.write("b.jsonl", kHeader + lines_with("[1, 1, 1]")),
+  EXPECT_EQ(remarks_about(directory_.write("b.jsonl", kOddLogHeader + lines_with("[1, 1, 1]")),
                           {.lidar = "front"}),
             "holds no scan of front; its scans are of a lidar without a name (8)");
 }
 
 TEST_F(OddLogs, RefusesToChooseTheOdometryOfALogThatHasOne) {
-  EXPECT_THAT(remarks_about(directory_.write("a.jsonl", kHeader + lines_with("[1, 1, 1]")),
+  EXPECT_THAT(remarks_about(directory_.write("a.jsonl", kOddLogHeader + lines_with("[1, 1, 1]")),
                             {.odometry = "/odom"}),
               HasSubstr("/odom can be chosen in bags only (--odom)"));
 }

@@ -3,18 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <utility>
+
+#include "unit/evaluation/metrics/empty_map.hpp"
 
 namespace cornerfix::evaluation {
 namespace {
 
-using testing::DoubleEq;
-using testing::Optional;
-
-LocalizationMapPtr empty_map() {
-  return std::make_shared<const LocalizationMap>("floor", 1, MapContent{});
-}
+using ::testing::DoubleEq;
+using ::testing::Optional;
 
 /// A robot that drives along x; its answers are judged against that.
 class Robot {

@@ -10,7 +10,7 @@
 namespace cornerfix::evaluation {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells;

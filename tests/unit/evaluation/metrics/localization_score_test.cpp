@@ -3,17 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <numeric>
 #include <vector>
 
 #include "evaluation/metrics/evaluation_report.hpp"
+#include "unit/evaluation/metrics/empty_map.hpp"
 
 namespace cornerfix::evaluation {
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 /// A straight run, one scan per metre and second.
 RecordedLog straight_run(std::size_t scans) {
@@ -31,10 +31,6 @@ std::vector<std::size_t> all_scans(const RecordedLog& log) {
   std::vector<std::size_t> indices(log.scans.size());
   std::iota(indices.begin(), indices.end(), std::size_t{0});
   return indices;
-}
-
-LocalizationMapPtr empty_map() {
-  return std::make_shared<const LocalizationMap>("floor", 1, MapContent{});
 }
 
 /// Gives no pose for a while, then localizes with an error that grows with each answer.

@@ -71,7 +71,7 @@ std::vector<int> outline(const OccupancyGrid& grid) {
   return first;
 }
 
-class Scenes : public testing::TestWithParam<SceneKind> {};
+class Scenes : public ::testing::TestWithParam<SceneKind> {};
 
 TEST_P(Scenes, AreTheSameForTheSameSeeds) {
   EXPECT_EQ(make_scene(GetParam(), 5, 6), make_scene(GetParam(), 5, 6));
@@ -118,7 +118,7 @@ TEST_P(Scenes, HaveWallsToSee) {
   EXPECT_LE(grid.cells.size(), 15'000'000U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, Scenes, testing::ValuesIn(all_scene_kinds()),
+INSTANTIATE_TEST_SUITE_P(Kinds, Scenes, ::testing::ValuesIn(all_scene_kinds()),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
 TEST(SceneKind, HasAName) {
