@@ -119,7 +119,7 @@ View first_view(std::uint64_t seed, std::size_t scans) {
   return testing::view_along(storey.scene, poses);
 }
 
-void run(const RankingArguments& arguments) {
+void run_ranking(const RankingArguments& arguments) {
   CsvFile table(arguments.out / "map_ranking.csv",
                 "maps,scans,ranker,starts,recall_1,recall_4,recall_16,p50_ms,p95_ms,rivals_p50");
   MapCatalog catalog;
@@ -185,7 +185,7 @@ void add_map_ranking_experiment(CLI::App& app) {
   command->add_option("--starts", arguments->starts, "Robots switched on, per size")
       ->check(CLI::PositiveNumber);
   add_out_option(*command, arguments->out);
-  command->callback([arguments] { run(*arguments); });
+  command->callback([arguments] { run_ranking(*arguments); });
 }
 
 }  // namespace cornerfix::bench

@@ -17,7 +17,7 @@
 namespace cornerfix::bench {
 namespace {
 
-constexpr double kSide = 25.0;  // [m]
+constexpr double kSquareSide = 25.0;  // [m]
 
 struct WorldsArguments {
   std::size_t worlds = 20;
@@ -32,7 +32,7 @@ void add_boxes(SceneBuilder& scene, const Point2& start, int count, double clear
                std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0.0, 1.0), size(0.4, 2.0), turn(-1.5, 1.5);
   for (int placed = 0; placed < count;) {
-    const Point2 center = kSide * Point2(share(random), share(random));
+    const Point2 center = kSquareSide * Point2(share(random), share(random));
     const double distance_m = (center - start).norm();
     if (distance_m < clear_m || distance_m > reach_m) continue;
     scene.box(center, {size(random), size(random)}, turn(random));
@@ -49,14 +49,14 @@ struct World {
 /// A hall with inner walls and boxes, none like another.
 World static_world(std::mt19937_64& random) {
   World world{SceneBuilder()
-                  .room({0, 0}, {kSide, kSide})
+                  .room({0, 0}, {kSquareSide, kSquareSide})
                   .wall({8, 0}, {8, 6})
                   .wall({0, 16}, {6, 16})
                   .wall({17, 25}, {17, 18})
                   .wall({25, 9}, {19, 9}),
               {},
-              {kSide / 2.0, kSide / 2.0}};
-  add_boxes(world.mapped, world.start, 14, 2.5, kSide, random);
+              {kSquareSide / 2.0, kSquareSide / 2.0}};
+  add_boxes(world.mapped, world.start, 14, 2.5, kSquareSide, random);
   world.now = world.mapped;
   return world;
 }
@@ -70,12 +70,13 @@ World changed_world(std::mt19937_64& random) {
 /// Four rooms with the same boxes that open into each other; three more boxes lie in other rooms
 /// than the start.
 World similar_world(std::mt19937_64& random) {
-  constexpr double kRoom = kSide / 2.0;
+  constexpr double kRoom = kSquareSide / 2.0;
   constexpr double kDoor = 1.6;
-  World world{SceneBuilder().room({0, 0}, {kSide, kSide}), {}, {kRoom / 2.0, kRoom / 2.0}};
+  World world{
+      SceneBuilder().room({0, 0}, {kSquareSide, kSquareSide}), {}, {kRoom / 2.0, kRoom / 2.0}};
   const double doors[] = {kRoom / 2.0, 1.5 * kRoom};
   double begin = 0.0;
-  for (const double door : {doors[0], doors[1], kSide + kDoor / 2.0}) {
+  for (const double door : {doors[0], doors[1], kSquareSide + kDoor / 2.0}) {
     world.mapped.wall({kRoom, begin}, {kRoom, door - kDoor / 2.0});
     world.mapped.wall({begin, kRoom}, {door - kDoor / 2.0, kRoom});
     begin = door + kDoor / 2.0;
@@ -88,7 +89,7 @@ World similar_world(std::mt19937_64& random) {
       for (const testing::Wall& wall : moved.walls()) world.mapped.wall(wall.a, wall.b);
     }
   }
-  add_boxes(world.mapped, world.start, 3, 10.0, kSide, random);
+  add_boxes(world.mapped, world.start, 3, 10.0, kSquareSide, random);
   world.now = world.mapped;
   return world;
 }
