@@ -17,13 +17,19 @@ target_link_libraries(cornerfix_test_headers PRIVATE cornerfix::core)
 target_precompile_headers(cornerfix_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <cornerfix/cornerfix.hpp>)
 cornerfix_compile_as_test(cornerfix_test_headers)
 
-# cornerfix_test(NAME LABEL label SOURCES ... LIBRARIES ... [FILTER filter]): one GoogleTest program, its tests found
-# and labelled; those that the filter takes, if there is one.
+# cornerfix_test(NAME LABEL label SOURCES ... LIBRARIES ... [EXCEPT pattern]): one GoogleTest program. Each of its suites
+# is one labelled test of CTest, so that what a suite shares is made once; `pattern` leaves tests out.
 function(cornerfix_test name)
-  cmake_parse_arguments(ARG "" "LABEL;FILTER" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;EXCEPT" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES})
   cornerfix_compile_as_test(${name})
   target_precompile_headers(${name} REUSE_FROM cornerfix_test_headers)
-  gtest_discover_tests(${name} TEST_FILTER "${ARG_FILTER}" PROPERTIES LABELS ${ARG_LABEL} DISCOVERY_TIMEOUT 60)
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
+  add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS ${suites} VERBATIM
+    COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:${name}> -D "EXCEPT=${ARG_EXCEPT}" -D LABEL=${ARG_LABEL}
+      -D OUTPUT=${suites} -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/list_suites.cmake)
+  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake
+    "if(EXISTS ${suites})\n  include(${suites})\nelse()\n  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
 endfunction()
