@@ -85,7 +85,7 @@ class Submap {
 
   [[nodiscard]] bool empty() const { return kept_.empty(); }
   [[nodiscard]] std::size_t size() const { return kept_.size(); }
-  [[nodiscard]] std::vector<SubmapScan> scans() const;
+  [[nodiscard]] std::vector<SubmapScanPtr> scans() const;
   /// Of base_link at the kept scans.
   [[nodiscard]] std::vector<Pose2> poses() const;
   [[nodiscard]] std::uint64_t next_index() const { return next_index_; }
@@ -102,7 +102,7 @@ class Submap {
 
  private:
   struct Kept {
-    SubmapScan scan;
+    SubmapScanPtr scan;
     std::vector<Feature> corners_submap;
     double way_m = 0.0;  ///< Driven up to here.
   };
