@@ -68,7 +68,9 @@ void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool rest
     kept.way_m = kept_.back().way_m +
                  distance(kept_.back().scan->T_submap_base_link, kept.scan->T_submap_base_link);
   }
-  stamp(*kept.scan);
+  std::vector<Point2> walls_grid;
+  append_walls_of(*kept.scan, walls_grid);
+  field_.stamp(walls_grid, params_.stamp_radius_m);
   if (evidence_grid_) evidence_grid_->add(kept.scan->scan, T_submap_laser);
   features_.insert(kept.corners_submap);
   const double way = kept.way_m;
@@ -116,18 +118,21 @@ EvidenceGrid Submap::evidence_of_kept() const {
   return grid;
 }
 
-void Submap::stamp(const SubmapScan& scan) {
-  stamp_scan(field_, scan.scan, scan.T_submap_base_link * scan.T_base_link_laser,
-             params_.stamp_radius_m, std::numeric_limits<double>::infinity());
+void Submap::append_walls_of(const SubmapScan& scan, std::vector<Point2>& walls_grid) const {
+  const Pose2 T_submap_laser = scan.T_submap_base_link * scan.T_base_link_laser;
+  append_walls(walls_grid, scan.scan, field_.T_grid_frame() * T_submap_laser, field_.resolution(),
+               std::numeric_limits<double>::infinity());
 }
 
 void Submap::rebuild_about(const Point2& center) {
   center_ = center;
   field_.clear(field_corner(params_, center));
   const double way = kept_.back().way_m;
+  std::vector<Point2> walls_grid;
   for (const Kept& kept : kept_) {
-    if (way - kept.way_m <= params_.match_window_m) stamp(*kept.scan);
+    if (way - kept.way_m <= params_.match_window_m) append_walls_of(*kept.scan, walls_grid);
   }
+  field_.stamp(walls_grid, params_.stamp_radius_m);
   if (evidence_grid_) evidence_grid_ = evidence_of_kept();
 }
 

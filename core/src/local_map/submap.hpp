@@ -108,7 +108,7 @@ class Submap {
   };
   /// The last one of a laser; null when there is none.
   [[nodiscard]] const SubmapScan* last_scan_of(const Pose2& T_base_link_laser) const;
-  void stamp(const SubmapScan& scan);
+  void append_walls_of(const SubmapScan& scan, std::vector<Point2>& walls_grid) const;
   void rebuild_about(const Point2& center);
   [[nodiscard]] EvidenceGrid evidence_of_kept() const;
 
