@@ -264,7 +264,7 @@ class BatchReader {
     if (good) cut_to_full_turn(out.scan);
     if (const auto error = good ? validate(out.scan) : std::nullopt) {
       field.fail_member(error->field, error->message);
-    } else if (good) {
+    } else if (good && mount.tilt != LidarTilt{}) {
       out.scan = levelled(out.scan, mount.tilt);
     }
   }

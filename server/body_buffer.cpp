@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <new>
 #include <utility>
@@ -22,8 +23,13 @@ struct BodyBuffer::Inflater {
   Inflater& operator=(const Inflater&) = delete;
 };
 
-BodyBuffer::BodyBuffer(bool gzip, std::size_t max_bytes) : max_bytes_(max_bytes) {
-  if (gzip) inflater_ = std::make_unique<Inflater>();
+BodyBuffer::BodyBuffer(bool gzip, std::size_t max_bytes, std::size_t wire_bytes)
+    : max_bytes_(max_bytes) {
+  if (gzip) {
+    inflater_ = std::make_unique<Inflater>();
+  } else {
+    body_.reserve(std::min(wire_bytes, max_bytes));
+  }
 }
 
 BodyBuffer::~BodyBuffer() = default;

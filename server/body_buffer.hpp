@@ -14,7 +14,8 @@ class BodyBuffer {
  public:
   enum class State { kGood, kTooLarge, kBadGzip };
 
-  BodyBuffer(bool gzip, std::size_t max_bytes);
+  /// \param wire_bytes  Of the pieces together, or 0 where that is not known.
+  BodyBuffer(bool gzip, std::size_t max_bytes, std::size_t wire_bytes = 0);
   ~BodyBuffer();
   BodyBuffer(const BodyBuffer&) = delete;
   BodyBuffer& operator=(const BodyBuffer&) = delete;

@@ -18,7 +18,7 @@ constexpr std::size_t kSearchingBytes = 3'000'000;
 /// that was read from the store.
 std::optional<RobotScan> newest_scan(const LocalizerState& state) {
   if (state.submap.empty()) return std::nullopt;
-  const SubmapScan& newest = state.submap.back();
+  const SubmapScan& newest = *state.submap.back();
   const Pose2 T_base_link_then = inverse(state.T_submap_base_link) * newest.T_submap_base_link;
   return RobotScan{.scan = newest.scan,
                    .T_base_link_laser = T_base_link_then * newest.T_base_link_laser,

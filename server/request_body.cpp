@@ -43,7 +43,7 @@ Response too_large(std::size_t limit) {
 /// The body, inflated; or the answer to a body that cannot be read.
 std::variant<std::string, Response> read_body(Exchange& exchange, bool gzip, std::size_t limit) {
   if (exchange.framing.length > limit) return too_large(limit);
-  BodyBuffer buffer(gzip, limit);
+  BodyBuffer buffer(gzip, limit, exchange.framing.length);
   std::size_t received = 0;
   const bool is_complete = read_raw(exchange, [&](const char* data, std::size_t size) {
     received += size;

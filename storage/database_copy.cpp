@@ -70,7 +70,7 @@ KeyFrameChain fingerprint_of(const SessionRecord& record) {
     fingerprint.add(std::string_view(record.maps[i]));
     fingerprint.add(static_cast<std::uint64_t>(record.map_ids[i]));
   }
-  for (const SubmapScan& scan : record.state.submap) fingerprint.add(encode_submap_scan(scan));
+  for (const SubmapScanPtr& scan : record.state.submap) fingerprint.add(encode_submap_scan(*scan));
   fingerprint.add(encode_localizer_state(record.state, {}));
   return fingerprint.value();
 }

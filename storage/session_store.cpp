@@ -1,7 +1,7 @@
 #include "storage/session_store.hpp"
 
+#include <algorithm>
 #include <cassert>
-#include <deque>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -14,10 +14,11 @@ namespace cornerfix::storage {
 
 /// A submap scan as it was last written, known by its stamp too: indices begin anew with a submap.
 struct StoredScan {
+  std::uint64_t index = 0;
   std::uint32_t checksum = 0;
   std::optional<double> stamp;  ///< Not known of one that was found in the file.
 };
-using StoredScans = std::unordered_map<std::uint64_t, StoredScan>;  ///< By index.
+using StoredScans = std::vector<StoredScan>;  ///< By rising index.
 
 /// Submap scans that differ from what is stored.
 struct SubmapChanges {
@@ -25,8 +26,8 @@ struct SubmapChanges {
   std::vector<SubmapScanRowKey> vanished;
 
   void write(SessionTables& sessions) const {
+    sessions.remove_scans(vanished);  // First, so that its pages can be used again at once.
     sessions.put_scans(changed);
-    sessions.remove_scans(vanished);
   }
 };
 
@@ -36,39 +37,46 @@ Error unknown_session(std::string_view id) {
   return Error{ErrorCode::kNotFound, "there is no session '" + std::string(id) + "'", "session"};
 }
 
+/// Null when there is none.
+const StoredScan* find_scan(const StoredScans& scans, std::uint64_t index) {
+  const auto found = std::ranges::lower_bound(scans, index, {}, &StoredScan::index);
+  return found != scans.end() && found->index == index ? &*found : nullptr;
+}
+
 /// Adds to `changes` what makes the stored submap scans those of `submap`. `stored` is what is
 /// there before and after; returns the names of the scans in their order.
-std::vector<SubmapScanKey> sync_submap(std::int64_t session, std::span<const SubmapScan> submap,
+std::vector<SubmapScanKey> sync_submap(std::int64_t session, std::span<const SubmapScanPtr> submap,
                                        StoredScans& stored, SubmapChanges& changes) {
   std::vector<SubmapScanKey> keys;
   keys.reserve(submap.size());
   StoredScans kept;
-  for (const SubmapScan& scan : submap) {
-    const auto found = stored.find(scan.index);
-    const bool is_known = found != stored.end() && found->second.stamp == scan.scan.stamp;
-    if (is_known) {
-      keys.push_back({scan.index, found->second.checksum});
+  kept.reserve(submap.size());
+  for (const SubmapScanPtr& scan : submap) {
+    const StoredScan* found = find_scan(stored, scan->index);
+    if (found != nullptr && found->stamp == scan->scan.stamp) {
+      keys.push_back({scan->index, found->checksum});
     } else {
-      Blob blob = encode_submap_scan(scan);
-      keys.push_back({scan.index, checksum_of(blob)});
-      const bool is_stored =
-          found != stored.end() && found->second.checksum == keys.back().checksum;
-      if (!is_stored) changes.changed.push_back({session, scan.index, std::move(blob)});
+      Blob blob = encode_submap_scan(*scan);
+      keys.push_back({scan->index, checksum_of(blob)});
+      const bool is_stored = found != nullptr && found->checksum == keys.back().checksum;
+      if (!is_stored) changes.changed.push_back({session, scan->index, std::move(blob)});
     }
-    kept.emplace(scan.index, StoredScan{keys.back().checksum, scan.scan.stamp});
-    if (found != stored.end()) stored.erase(found);
+    kept.push_back({scan->index, keys.back().checksum, scan->scan.stamp});
   }
-  for (const auto& [index, scan] : stored) changes.vanished.push_back({session, index});
+  std::ranges::sort(kept, {}, &StoredScan::index);
+  for (const StoredScan& scan : stored) {
+    if (find_scan(kept, scan.index) == nullptr) changes.vanished.push_back({session, scan.index});
+  }
   stored = std::move(kept);
   return keys;
 }
 
 /// The session's submap scans in the order of `keys`.
-Result<std::vector<SubmapScan>> read_submap(SessionTables& sessions, std::int64_t session,
-                                            std::span<const SubmapScanKey> keys) {
+Result<std::vector<SubmapScanPtr>> read_submap(SessionTables& sessions, std::int64_t session,
+                                               std::span<const SubmapScanKey> keys) {
   std::unordered_map<std::uint64_t, Blob> stored;
   for (auto& [index, blob] : sessions.scans(session)) stored.emplace(index, std::move(blob));
-  std::vector<SubmapScan> submap;
+  std::vector<SubmapScanPtr> submap;
   submap.reserve(keys.size());
   for (const SubmapScanKey& key : keys) {
     const Blob& blob = stored[key.index];  // Empty when it is missing: refused as cut short.
@@ -77,7 +85,7 @@ Result<std::vector<SubmapScan>> read_submap(SessionTables& sessions, std::int64_
     if (checksum_of(blob) != key.checksum || scan->index != key.index) {
       return Error{ErrorCode::kCorruptData, "the session's state names another scan", ""};
     }
-    submap.push_back(std::move(*scan));
+    submap.push_back(std::make_shared<const SubmapScan>(std::move(*scan)));
   }
   return submap;
 }
@@ -85,7 +93,7 @@ Result<std::vector<SubmapScan>> read_submap(SessionTables& sessions, std::int64_
 Result<LocalizerState> read_state(SessionTables& sessions, std::int64_t session, BlobView state) {
   Result<LocalizerStateOutline> outline = decode_localizer_state(state);
   if (!outline) return outline.error();
-  Result<std::vector<SubmapScan>> submap = read_submap(sessions, session, outline->submap);
+  Result<std::vector<SubmapScanPtr>> submap = read_submap(sessions, session, outline->submap);
   if (!submap) return submap.error();
   outline->state.submap = std::move(*submap);
   return std::move(outline->state);
@@ -95,7 +103,7 @@ Error in_session(const SessionRecord& record, const Error& error) {
   return {error.code, "session " + record.id + ": " + error.message, "session"};
 }
 
-/// Sessions whose stored state is remembered, to bound the memory: 2 kB each.
+/// Sessions whose stored state is remembered, to bound the memory: 4 kB each.
 constexpr std::size_t kMaxKnownSessions = 10'000;
 
 }  // namespace
@@ -104,6 +112,7 @@ constexpr std::size_t kMaxKnownSessions = 10'000;
 struct SessionStore::StoredSession {
   std::int64_t number = 0;
   std::uint64_t expected_sequence = 0;
+  Blob state{};
   std::uint64_t scans = 0;  ///< Of its state.
   StoredScans submap{};
   std::int64_t version = 0;           ///< As SessionTables::version() when it was last seen.
@@ -115,7 +124,6 @@ struct SessionStore::RowsToWrite {
   SubmapChanges submaps{};
   std::vector<AnswerRow> answers{};
   std::vector<StoredSession*> written{};
-  std::deque<Blob> states{};  ///< To which `answers` refer.
 };
 
 SessionStore::StoredSession& SessionStore::known(std::string_view id) {
@@ -125,19 +133,23 @@ SessionStore::StoredSession& SessionStore::known(std::string_view id) {
 
 /// As the database has it, with the stamps of the scans that this store wrote itself.
 Result<SessionStore::StoredSession*> SessionStore::note_head(const SessionHead& head) {
-  const Result<LocalizerStateOutline> outline = decode_localizer_state(head.state);
-  if (!outline) return outline.error();
   StoredSession& stored = known(head.id);
   note_version(stored, head.version);
-  StoredScans submap;
-  for (const SubmapScanKey& key : outline->submap) {
-    const auto found = stored.submap.find(key.index);
-    const bool is_ours = found != stored.submap.end() && found->second.checksum == key.checksum;
-    submap.emplace(key.index, is_ours ? found->second : StoredScan{key.checksum, {}});
-  }
-  stored.number = head.number;
   stored.expected_sequence = head.expected_sequence;
+  if (stored.number == head.number && stored.state == head.state) return &stored;
+  const Result<LocalizerStateOutline> outline = decode_localizer_state(head.state);
+  if (!outline) return outline.error();
+  StoredScans submap;
+  submap.reserve(outline->submap.size());
+  for (const SubmapScanKey& key : outline->submap) {
+    const StoredScan* found = find_scan(stored.submap, key.index);
+    const bool is_ours = found != nullptr && found->checksum == key.checksum;
+    submap.push_back(is_ours ? *found : StoredScan{key.index, key.checksum, {}});
+  }
+  std::ranges::sort(submap, {}, &StoredScan::index);
+  stored.number = head.number;
   stored.scans = outline->state.scans;
+  stored.state = head.state;
   stored.submap = std::move(submap);
   return &stored;
 }
@@ -246,11 +258,12 @@ Result<void> SessionStore::add_rows(const SessionChange& change, const SessionHe
     return Error{ErrorCode::kConflict, "the session was changed by another server", "sequence"};
   const std::vector<SubmapScanKey> submap =
       sync_submap(stored.number, update.state->submap, stored.submap, rows.submaps);
-  rows.states.push_back(encode_localizer_state(*update.state, submap));
+  stored.state = encode_localizer_state(*update.state, submap);
+  stored.scans = update.state->scans;
   rows.answers.push_back({.session = stored.number,
                           .expected_sequence = update.expected_sequence,
                           .last_answer = update.last_answer,
-                          .state = rows.states.back(),
+                          .state = stored.state,
                           .last_used = update.now,
                           .last_batch = update.last_batch});
   rows.written.push_back(&stored);

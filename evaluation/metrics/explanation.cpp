@@ -136,7 +136,8 @@ class Panel {
 
   void draw_scans(const Decision& decision) {
     const Pose2 T_map_submap = T_map_base_link_ * inverse(decision.T_submap_base_link);
-    for (const SubmapScan& kept : decision.submap) {
+    for (const SubmapScanPtr& shared : decision.submap) {
+      const SubmapScan& kept = *shared;
       const Pose2 T_map_laser = T_map_submap * kept.T_submap_base_link * kept.T_base_link_laser;
       for (std::size_t beam = 0; beam < kept.scan.ranges.size(); ++beam) {
         if (!kept.scan.has_return(beam)) continue;

@@ -19,7 +19,7 @@ struct Decision {
   std::size_t scan = 0;                 ///< Index in the log.
   Answer answer;                        ///< What the robot was given.
   std::vector<RankedHypothesis> poses;  ///< All that the search found, best first.
-  std::vector<SubmapScan> submap;       ///< What the robot had seen.
+  std::vector<SubmapScanPtr> submap;    ///< What the robot had seen.
   Pose2 T_submap_base_link;
   Pose2 reference;
 };

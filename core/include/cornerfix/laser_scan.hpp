@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -68,6 +69,8 @@ struct SubmapScan {
   Pose2 T_base_link_laser;
   Pose2 T_submap_base_link;
 };
+/// A local map and the states that are taken of it share its scans.
+using SubmapScanPtr = std::shared_ptr<const SubmapScan>;
 
 /// The first field that no lidar can have (not finite but range_max, range_max <= range_min,
 /// increment 0, more than a turn), or nothing. `field` of the error is the field's name.

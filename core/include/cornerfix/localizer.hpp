@@ -20,13 +20,13 @@ namespace cornerfix {
 /// What a localizer remembers: enough to go on in another process. Hypotheses are not kept; the
 /// next scan that joins the submap makes them anew.
 struct LocalizerState {
-  std::vector<SubmapScan> submap;
-  std::uint64_t next_index = 0;      ///< Of the next scan to join the submap.
-  std::uint64_t scans = 0;           ///< Processed since the reset; seeds the random draws.
-  Pose2 T_submap_base_link;          ///< At the last scan.
-  Pose2 last_motion;                 ///< Between the last two scans of a laser,
-  double last_interval_s = 0.0;      ///< and the time between them; 0 when not known.
-  std::optional<double> last_stamp;  ///< [s]
+  std::vector<SubmapScanPtr> submap;  ///< None is null.
+  std::uint64_t next_index = 0;       ///< Of the next scan to join the submap.
+  std::uint64_t scans = 0;            ///< Processed since the reset; seeds the random draws.
+  Pose2 T_submap_base_link;           ///< At the last scan.
+  Pose2 last_motion;                  ///< Between the last two scans of a laser,
+  double last_interval_s = 0.0;       ///< and the time between them; 0 when not known.
+  std::optional<double> last_stamp;   ///< [s]
   std::optional<Pose2> last_T_odom_base_link;
   Status status = Status::kCollecting;
   Reason reason = Reason::kFewFeatures;

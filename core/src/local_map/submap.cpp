@@ -54,30 +54,32 @@ bool Submap::knows_laser(const Pose2& T_base_link_laser) const {
 
 const SubmapScan* Submap::last_scan_of(const Pose2& T_base_link_laser) const {
   const auto found = std::find_if(kept_.rbegin(), kept_.rend(), [&](const Kept& kept) {
-    return is_same_laser(kept.scan.T_base_link_laser, T_base_link_laser);
+    return is_same_laser(kept.scan->T_base_link_laser, T_base_link_laser);
   });
-  return found == kept_.rend() ? nullptr : &found->scan;
+  return found == kept_.rend() ? nullptr : found->scan.get();
 }
 
 void Submap::keep(SubmapScan scan, std::vector<Feature> corners_laser, bool restored) {
   if (!restored) scan.index = next_index_++;
   const Pose2 T_submap_laser = scan.T_submap_base_link * scan.T_base_link_laser;
   for (Feature& corner : corners_laser) corner = transformed(T_submap_laser, corner);
-  Kept kept{std::move(scan), std::move(corners_laser), 0.0};
+  Kept kept{std::make_shared<const SubmapScan>(std::move(scan)), std::move(corners_laser), 0.0};
   if (!kept_.empty()) {
     kept.way_m = kept_.back().way_m +
-                 distance(kept_.back().scan.T_submap_base_link, kept.scan.T_submap_base_link);
+                 distance(kept_.back().scan->T_submap_base_link, kept.scan->T_submap_base_link);
   }
-  stamp(kept.scan);
-  if (evidence_grid_) evidence_grid_->add(kept.scan.scan, T_submap_laser);
+  std::vector<Point2> walls_grid;
+  append_walls_of(*kept.scan, walls_grid);
+  field_.stamp(walls_grid, params_.stamp_radius_m);
+  if (evidence_grid_) evidence_grid_->add(kept.scan->scan, T_submap_laser);
   features_.insert(kept.corners_submap);
   const double way = kept.way_m;
-  const Point2 position = kept.scan.T_submap_base_link.translation();
+  const Point2 position = kept.scan->T_submap_base_link.translation();
   kept_.push_back(std::move(kept));
 
   bool forgot = false;
   while (way - kept_.front().way_m > params_.window_m || kept_.size() > params_.max_scans) {
-    const SubmapScan& old = kept_.front().scan;
+    const SubmapScan& old = *kept_.front().scan;
     if (evidence_grid_)
       evidence_grid_->remove(old.scan, old.T_submap_base_link * old.T_base_link_laser);
     kept_.pop_front();
@@ -112,22 +114,25 @@ void Submap::gather_evidence() {
 EvidenceGrid Submap::evidence_of_kept() const {
   EvidenceGrid grid(center_, params_.evidence);
   for (const Kept& kept : kept_)
-    grid.add(kept.scan.scan, kept.scan.T_submap_base_link * kept.scan.T_base_link_laser);
+    grid.add(kept.scan->scan, kept.scan->T_submap_base_link * kept.scan->T_base_link_laser);
   return grid;
 }
 
-void Submap::stamp(const SubmapScan& scan) {
-  stamp_scan(field_, scan.scan, scan.T_submap_base_link * scan.T_base_link_laser,
-             params_.stamp_radius_m, std::numeric_limits<double>::infinity());
+void Submap::append_walls_of(const SubmapScan& scan, std::vector<Point2>& walls_grid) const {
+  const Pose2 T_submap_laser = scan.T_submap_base_link * scan.T_base_link_laser;
+  append_walls(walls_grid, scan.scan, field_.T_grid_frame() * T_submap_laser, field_.resolution(),
+               std::numeric_limits<double>::infinity());
 }
 
 void Submap::rebuild_about(const Point2& center) {
   center_ = center;
   field_.clear(field_corner(params_, center));
   const double way = kept_.back().way_m;
+  std::vector<Point2> walls_grid;
   for (const Kept& kept : kept_) {
-    if (way - kept.way_m <= params_.match_window_m) stamp(kept.scan);
+    if (way - kept.way_m <= params_.match_window_m) append_walls_of(*kept.scan, walls_grid);
   }
+  field_.stamp(walls_grid, params_.stamp_radius_m);
   if (evidence_grid_) evidence_grid_ = evidence_of_kept();
 }
 
@@ -190,8 +195,8 @@ FoundStart Submap::search(std::span<const Point2> points_base_link, const Pose2&
   return best;
 }
 
-std::vector<SubmapScan> Submap::scans() const {
-  std::vector<SubmapScan> scans;
+std::vector<SubmapScanPtr> Submap::scans() const {
+  std::vector<SubmapScanPtr> scans;
   scans.reserve(kept_.size());
   for (const Kept& kept : kept_) scans.push_back(kept.scan);
   return scans;
@@ -200,7 +205,7 @@ std::vector<SubmapScan> Submap::scans() const {
 std::vector<Pose2> Submap::poses() const {
   std::vector<Pose2> poses;
   poses.reserve(kept_.size());
-  for (const Kept& kept : kept_) poses.push_back(kept.scan.T_submap_base_link);
+  for (const Kept& kept : kept_) poses.push_back(kept.scan->T_submap_base_link);
   return poses;
 }
 

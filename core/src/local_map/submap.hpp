@@ -85,7 +85,7 @@ class Submap {
 
   [[nodiscard]] bool empty() const { return kept_.empty(); }
   [[nodiscard]] std::size_t size() const { return kept_.size(); }
-  [[nodiscard]] std::vector<SubmapScan> scans() const;
+  [[nodiscard]] std::vector<SubmapScanPtr> scans() const;
   /// Of base_link at the kept scans.
   [[nodiscard]] std::vector<Pose2> poses() const;
   [[nodiscard]] std::uint64_t next_index() const { return next_index_; }
@@ -102,13 +102,13 @@ class Submap {
 
  private:
   struct Kept {
-    SubmapScan scan;
+    SubmapScanPtr scan;
     std::vector<Feature> corners_submap;
     double way_m = 0.0;  ///< Driven up to here.
   };
   /// The last one of a laser; null when there is none.
   [[nodiscard]] const SubmapScan* last_scan_of(const Pose2& T_base_link_laser) const;
-  void stamp(const SubmapScan& scan);
+  void append_walls_of(const SubmapScan& scan, std::vector<Point2>& walls_grid) const;
   void rebuild_about(const Point2& center);
   [[nodiscard]] EvidenceGrid evidence_of_kept() const;
 

@@ -43,10 +43,10 @@ LocalizerState Localizer::state() const {
 void Localizer::restore(LocalizerState state) {
   reset();
   std::optional<Evidence> old_ground;  ///< Of the scans until the acceptance.
-  for (SubmapScan& scan : state.submap) {
-    if (!old_ground && scan.index >= state.accepted_index) old_ground = impl_->submap.evidence();
-    std::vector<Feature> corners = impl_->corners_of(scan.scan);
-    impl_->submap.keep(std::move(scan), std::move(corners), true);
+  for (const SubmapScanPtr& scan : state.submap) {
+    if (!old_ground && scan->index >= state.accepted_index) old_ground = impl_->submap.evidence();
+    std::vector<Feature> corners = impl_->corners_of(scan->scan);
+    impl_->submap.keep(*scan, std::move(corners), true);
   }
   impl_->submap.set_next_index(state.next_index);
   impl_->scans = state.scans;

@@ -24,10 +24,8 @@ DistanceField::DistanceField(const OccupancyGrid& grid)
   });
 }
 
-void DistanceField::stamp(const Point2& point_grid, double radius_m) {
-  const StampPlace place = stamp_place(point_grid * inverse_resolution_,
-                                       radius_m * inverse_resolution_, width_, height_);
-  for_each_patch(place, static_cast<float>(resolution_ / kStep), [this](const StampPatch& patch) {
+void DistanceField::stamp(std::span<const Point2> points_grid, double radius_m) {
+  for_each_patch(*this, points_grid, radius_m, [this](const StampPatch& patch) {
     const int columns = patch.last_column() - patch.first_column() + 1;
     for (int row = patch.first_row(); row <= patch.last_row(); ++row) {
       const std::uint8_t* lowered = patch.cells(patch.first_column(), row);

@@ -32,8 +32,9 @@ class DistanceField {
   /// Distance transform to the occupied cells. O(cells).
   explicit DistanceField(const OccupancyGrid& grid);
 
-  /// Lowers the cells about a point of frame `grid` to their distance from it, within `radius_m`.
-  void stamp(const Point2& point_grid, double radius_m);
+  /// Lowers the cells about points of frame `grid` to their distance from them, within `radius_m`.
+  /// Costs least when neighbours follow each other.
+  void stamp(std::span<const Point2> points_grid, double radius_m);
 
   struct Sample {
     double distance = kMaxDistance;    ///< [m]

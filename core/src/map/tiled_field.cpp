@@ -6,6 +6,19 @@
 #include "core/src/map/stamp_patch.hpp"
 
 namespace cornerfix {
+namespace {
+
+/// Whether some rows of a patch have no distance in the cells that one tile holds from `column` on.
+bool has_no_distance(const StampPatch& patch, int column, int cells, int first_row, int last_row) {
+  for (int row = first_row; row <= last_row; ++row) {
+    const std::uint8_t* const begin = patch.cells(column, row);
+    if (std::any_of(begin, begin + cells, [](std::uint8_t cell) { return cell != 255; }))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 TiledField::TiledField(const Pose2& T_frame_grid, double resolution, int width, int height)
     : T_grid_frame_(inverse(T_frame_grid)),
@@ -17,6 +30,7 @@ TiledField::TiledField(const Pose2& T_frame_grid, double resolution, int width, 
       numbers_(static_cast<std::size_t>(tiles_per_row_) *
                static_cast<std::size_t>((height + kTile - 1) / kTile)),
       cells_(kTileCells, 255) {
+  static_assert(kTile <= StampPatch::kPadding);
   assert(numbers_.size() < 65'535 && "tile numbers fit 16 bits");
 }
 
@@ -26,11 +40,8 @@ void TiledField::clear(const Pose2& T_frame_grid) {
   cells_.resize(kTileCells);
 }
 
-void TiledField::stamp(const Point2& point_grid, double radius_m) {
-  const StampPlace place = stamp_place(point_grid * inverse_resolution_,
-                                       radius_m * inverse_resolution_, width_, height_);
-  for_each_patch(place, static_cast<float>(resolution_ / DistanceField::kStep),
-                 [this](const StampPatch& patch) { lower(patch); });
+void TiledField::stamp(std::span<const Point2> points_grid, double radius_m) {
+  for_each_patch(*this, points_grid, radius_m, [this](const StampPatch& patch) { lower(patch); });
 }
 
 /// Each tile that has cells of the patch, be it in the column or row that it repeats.
@@ -41,6 +52,9 @@ void TiledField::lower(const StampPatch& patch) {
     const int first_row = std::max(patch.first_row(), tile_row * kTile);
     const int last_row = std::min(patch.last_row(), tile_row * kTile + kTile);
     for (int tile_column = left; tile_column <= patch.last_column() / kTile; ++tile_column) {
+      const bool is_held = numbers_[tile_of(tile_column, tile_row)] != 0;
+      if (!is_held && has_no_distance(patch, tile_column * kTile, kStride, first_row, last_row))
+        continue;
       std::uint8_t* cells = tile(tile_column, tile_row);
       for (int row = first_row; row <= last_row; ++row) {
         const std::uint8_t* lowered = patch.cells(tile_column * kTile, row);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <cornerfix/pose2.hpp>
@@ -22,8 +23,9 @@ class TiledField {
   /// width x height cells at DistanceField::kMaxDistance; frames as of a DistanceField.
   TiledField(const Pose2& T_frame_grid, double resolution, int width, int height);
 
-  /// Lowers the cells about a point of frame `grid` to their distance from it, within `radius_m`.
-  void stamp(const Point2& point_grid, double radius_m);
+  /// Lowers the cells about points of frame `grid` to their distance from them, within `radius_m`.
+  /// Costs least when neighbours follow each other.
+  void stamp(std::span<const Point2> points_grid, double radius_m);
   /// All cells at kMaxDistance again, elsewhere. Keeps its memory.
   void clear(const Pose2& T_frame_grid);
 

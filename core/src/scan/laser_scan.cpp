@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace cornerfix {
 
@@ -28,6 +30,28 @@ double field_of_view(const LaserScan& scan) {
 bool exceeds_full_turn(const LaserScan& scan) {
   return field_of_view(scan) > kScanTurn + 2.0 * std::abs(scan.angle_increment) + 1e-3;
 }
+
+/// Cosines and sines of the bearings of a scan's beams. They are kept for the next scan, which most
+/// likely has the same beams: to compute them takes longer than to compute points from them.
+class BeamDirections {
+ public:
+  std::span<const Point2> of(const LaserScan& scan) {
+    const bool is_same = scan.angle_min == angle_min_ && scan.angle_increment == angle_increment_;
+    if (!is_same) directions_.clear();
+    angle_min_ = scan.angle_min;
+    angle_increment_ = scan.angle_increment;
+    for (std::size_t beam = directions_.size(); beam < scan.ranges.size(); ++beam) {
+      const double bearing = scan.bearing(beam);
+      directions_.emplace_back(std::cos(bearing), std::sin(bearing));
+    }
+    return directions_;
+  }
+
+ private:
+  double angle_min_ = 0.0;
+  double angle_increment_ = 0.0;
+  std::vector<Point2> directions_;
+};
 
 }  // namespace
 
@@ -72,13 +96,13 @@ std::optional<Error> validate(const LaserScan& scan) {
 }
 
 std::vector<Point2> returns_as_points(const LaserScan& scan) {
+  thread_local BeamDirections last_directions;
+  const std::span<const Point2> directions = last_directions.of(scan);
   std::vector<Point2> points;
   points.reserve(scan.ranges.size());
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
     if (!scan.has_return(beam)) continue;
-    const double range = static_cast<double>(scan.ranges[beam]);
-    const double bearing = scan.bearing(beam);
-    points.emplace_back(range * std::cos(bearing), range * std::sin(bearing));
+    points.emplace_back(static_cast<double>(scan.ranges[beam]) * directions[beam]);
   }
   return points;
 }

@@ -112,7 +112,9 @@ TEST_P(SessionStoreTest, TakesScansAfterAResetForOthersThoughTheirIndicesRepeat)
 TEST_P(SessionStoreTest, TakesAScanForAnotherWhenOneRangeOfItDiffers) {
   LocalizerState state = sample_state(0, 3, 0);
   ASSERT_TRUE(store_.insert(record("s1", state)));
-  state.submap[1].scan.ranges[4] = 2.5F;
+  SubmapScan changed = *state.submap[1];
+  changed.scan.ranges[4] = 2.5F;
+  state.submap[1] = std::make_shared<const SubmapScan>(changed);
   ASSERT_TRUE(advance(state));
   EXPECT_TRUE(is_same(stored_state(), state));
 }

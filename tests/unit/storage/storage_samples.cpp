@@ -142,8 +142,8 @@ SubmapScan sample_submap_scan(std::uint64_t index, int seed) {
 LocalizerState sample_state(std::uint64_t first_index, int count, int seed) {
   LocalizerState state;
   for (int i = 0; i < count; ++i) {
-    state.submap.push_back(
-        sample_submap_scan(first_index + static_cast<std::uint64_t>(i), seed + i));
+    state.submap.push_back(std::make_shared<const SubmapScan>(
+        sample_submap_scan(first_index + static_cast<std::uint64_t>(i), seed + i)));
   }
   state.next_index = first_index + static_cast<std::uint64_t>(count);
   state.scans = 1000 + static_cast<std::uint64_t>(seed);
@@ -228,7 +228,7 @@ bool is_same(const LocalizerState& a, const LocalizerState& b) {
       a.last_T_odom_base_link.has_value() == b.last_T_odom_base_link.has_value() &&
       is_same(a.last_T_odom_base_link.value_or(Pose2{}), b.last_T_odom_base_link.value_or(Pose2{}));
   return all_same(a.submap, b.submap,
-                  [](const SubmapScan& x, const SubmapScan& y) { return is_same(x, y); }) &&
+                  [](const SubmapScanPtr& x, const SubmapScanPtr& y) { return is_same(*x, *y); }) &&
          a.next_index == b.next_index && a.scans == b.scans &&
          is_same(a.T_submap_base_link, b.T_submap_base_link) &&
          is_same(a.last_motion, b.last_motion) && same(a.last_interval_s, b.last_interval_s) &&

@@ -168,9 +168,9 @@ TEST(Submap, WantsAScanAfterAWayOrATurn) {
 TEST(Submap, CountsItsScans) {
   Driver driver;
   for (const Moment& moment : office_moments(12)) driver.take(moment.scan);
-  const std::vector<SubmapScan> scans = driver.submap.scans();
+  const std::vector<SubmapScanPtr> scans = driver.submap.scans();
   ASSERT_GT(scans.size(), 3U);
-  for (std::size_t i = 0; i < scans.size(); ++i) EXPECT_EQ(scans[i].index, i);
+  for (std::size_t i = 0; i < scans.size(); ++i) EXPECT_EQ(scans[i]->index, i);
   EXPECT_EQ(driver.submap.next_index(), scans.size());
   EXPECT_EQ(driver.submap.size(), scans.size());
 }
@@ -179,11 +179,11 @@ TEST(Submap, ForgetsWhatLiesTooFarBack) {
   Driver driver({.window_m = 3.0});
   const std::vector<Moment> moments = office_moments(60);
   for (const Moment& moment : moments) driver.take(moment.scan);
-  const std::vector<SubmapScan> scans = driver.submap.scans();
-  EXPECT_GT(scans.front().index, 0U);
+  const std::vector<SubmapScanPtr> scans = driver.submap.scans();
+  EXPECT_GT(scans.front()->index, 0U);
   double way = 0.0;
   for (std::size_t i = 1; i < scans.size(); ++i) {
-    way += distance(scans[i - 1].T_submap_base_link, scans[i].T_submap_base_link);
+    way += distance(scans[i - 1]->T_submap_base_link, scans[i]->T_submap_base_link);
   }
   EXPECT_LE(way, 3.0);
   EXPECT_GT(way, 2.0);
@@ -201,7 +201,7 @@ TEST(Submap, ForgetsTheOldestOfMoreScansThanItHolds) {
                 {});
   }
   EXPECT_EQ(submap.size(), 30U);
-  EXPECT_EQ(submap.scans().front().index, 70U);
+  EXPECT_EQ(submap.scans().front()->index, 70U);
 }
 
 /// What has been forgotten is as if it had never been seen.
@@ -216,7 +216,8 @@ TEST(Submap, AForgottenScanLeavesNoEvidenceAndNoFeature) {
     window.keep({0, moment.scan.scan, {}, T_submap_map * moment.T_map_base_link},
                 vfp_features_of(moment.scan.scan));
   }
-  for (const SubmapScan& scan : window.scans()) last_only.keep(scan, vfp_features_of(scan.scan));
+  for (const SubmapScanPtr& scan : window.scans())
+    last_only.keep(*scan, vfp_features_of(scan->scan));
   EXPECT_LT(window.size(), 10U);
   EXPECT_EQ(window.evidence().ends.size(), last_only.evidence().ends.size());
   EXPECT_EQ(window.evidence().free.size(), last_only.evidence().free.size());
@@ -231,7 +232,8 @@ TEST(Submap, EvidenceThatIsNotGatheredIsThatOfTheKeptScans) {
   Submap other(params);
   other.stop_gathering_evidence();
   for (const Moment& moment : office_moments(60)) driver.take(moment.scan);
-  for (const SubmapScan& scan : driver.submap.scans()) other.keep(scan, vfp_features_of(scan.scan));
+  for (const SubmapScanPtr& scan : driver.submap.scans())
+    other.keep(*scan, vfp_features_of(scan->scan));
   const Evidence& expected = driver.submap.evidence();
   ASSERT_GT(expected.ends.size(), 100U);
   EXPECT_EQ(other.evidence().ends.size(), expected.ends.size());
@@ -311,8 +313,8 @@ TEST(Submap, RestoredFromItsScansIsTheSame) {
   Driver driver;
   for (const Moment& moment : office_moments(25)) driver.take(moment.scan);
   Submap restored;
-  for (const SubmapScan& scan : driver.submap.scans()) {
-    restored.keep(scan, vfp_features_of(scan.scan), true);
+  for (const SubmapScanPtr& scan : driver.submap.scans()) {
+    restored.keep(*scan, vfp_features_of(scan->scan), true);
   }
   restored.set_next_index(driver.submap.next_index());
   EXPECT_EQ(coordinates_of(restored.evidence().ends),
@@ -332,10 +334,10 @@ TEST(Submap, RestoredKeepsTheIndicesOfItsScans) {
   Driver driver({.window_m = 2.0});
   for (const Moment& moment : office_moments(40)) driver.take(moment.scan);
   Submap restored({.window_m = 2.0});
-  for (const SubmapScan& scan : driver.submap.scans()) restored.keep(scan, {}, true);
+  for (const SubmapScanPtr& scan : driver.submap.scans()) restored.keep(*scan, {}, true);
   ASSERT_EQ(restored.size(), driver.submap.size());
-  EXPECT_EQ(restored.scans().front().index, driver.submap.scans().front().index);
-  EXPECT_EQ(restored.scans().back().index, driver.submap.scans().back().index);
+  EXPECT_EQ(restored.scans().front()->index, driver.submap.scans().front()->index);
+  EXPECT_EQ(restored.scans().back()->index, driver.submap.scans().back()->index);
 }
 
 TEST(Submap, AScanWithoutReturnsMayBeKept) {

@@ -110,7 +110,9 @@ TEST(LocalizerWithTwoLidars, TheLocalMapHoldsScansOfBoth) {
   for (const Moment& moment : moments) (void)localizer.process(moment.scan);
   const LocalizerState state = localizer.state();
   const auto of = [&](const Pose2& T_base_link_laser) {
-    return std::ranges::count(state.submap, T_base_link_laser, &SubmapScan::T_base_link_laser);
+    return std::ranges::count_if(state.submap, [&](const SubmapScanPtr& scan) {
+      return scan->T_base_link_laser == T_base_link_laser;
+    });
   };
   EXPECT_GE(of(kFront), 3);
   EXPECT_LE(std::abs(of(kFront) - of(kRear)), 1);

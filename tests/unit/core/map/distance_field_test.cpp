@@ -190,7 +190,7 @@ TEST(DistanceField, StampedWithTheWallsIsTheTransform) {
   const OccupancyGrid grid = random_grid(6);
   const DistanceField transformed(grid);
   DistanceField stamped(grid.T_map_grid, grid.resolution, grid.width, grid.height);
-  for (const Point2& center : wall_centers(grid)) stamped.stamp(center, 3.0);
+  stamped.stamp(wall_centers(grid), 3.0);
   for (std::size_t i = 0; i < grid.cells.size(); ++i) {
     EXPECT_NEAR(stamped.steps()[i], transformed.steps()[i], 1) << "cell " << i;
   }
@@ -199,7 +199,7 @@ TEST(DistanceField, StampedWithTheWallsIsTheTransform) {
 TEST(DistanceField, StampMeasuresFromAPointBetweenCenters) {
   DistanceField field({}, 0.1, 30, 30);
   const Point2 wall(1.53, 1.48);
-  field.stamp(wall, 1.0);
+  field.stamp(std::vector{wall}, 1.0);
   for (const Point2& center : {Point2(1.55, 1.45), Point2(2.05, 1.95), Point2(1.05, 1.45)}) {
     EXPECT_NEAR(field.nearest(center), (center - wall).norm(), DistanceField::kStep);
   }
@@ -207,16 +207,16 @@ TEST(DistanceField, StampMeasuresFromAPointBetweenCenters) {
 
 TEST(DistanceField, StampReachesAsFarAsItsRadius) {
   DistanceField field({}, 0.1, 60, 60);
-  field.stamp({3.05, 3.05}, 0.5);
+  field.stamp(std::vector{Point2(3.05, 3.05)}, 0.5);
   EXPECT_LT(field.nearest({3.45, 3.05}), 0.45);
   EXPECT_DOUBLE_EQ(field.nearest({4.05, 3.05}), DistanceField::kMaxDistance);
 }
 
 TEST(DistanceField, StampNeverRaisesADistance) {
   DistanceField field({}, 0.1, 20, 20);
-  field.stamp({1.0, 1.0}, 1.0);
+  field.stamp(std::vector{Point2(1.0, 1.0)}, 1.0);
   const std::vector<std::uint8_t> before(field.steps().begin(), field.steps().end());
-  field.stamp({1.3, 1.1}, 1.0);
+  field.stamp(std::vector{Point2(1.3, 1.1)}, 1.0);
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LE(field.steps()[i], before[i]);
 }
 
@@ -224,7 +224,7 @@ TEST(DistanceField, StampsOnAndBeyondTheBorderAreCutOff) {
   DistanceField field({}, 0.1, 10, 10);
   for (const Point2& p : {Point2(0.0, 0.0), Point2(-0.3, 0.5), Point2(1.0, 1.0), Point2(0.5, 1.2),
                           Point2(-50.0, 0.5), Point2(0.5, 50.0)}) {
-    field.stamp(p, 0.5);
+    field.stamp(std::vector{p}, 0.5);
   }
   EXPECT_NEAR(field.nearest({0.05, 0.05}), std::hypot(0.05, 0.05), DistanceField::kStep);
   EXPECT_NEAR(field.nearest({0.05, 0.55}), std::hypot(0.35, 0.05), DistanceField::kStep);

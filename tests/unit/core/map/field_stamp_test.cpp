@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/src/map/distance_field.hpp"
 #include "support/scan_simulator.hpp"
 
 namespace cornerfix {

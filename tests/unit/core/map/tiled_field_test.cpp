@@ -31,10 +31,8 @@ struct BothFields {
   TiledField tiled{kT_frame_grid, kResolution, kCells, kCells};
 
   void stamp(const std::vector<Point2>& points, double radius_m) {
-    for (const Point2& point : points) {
-      dense.stamp(point, radius_m);
-      tiled.stamp(point, radius_m);
-    }
+    dense.stamp(points, radius_m);
+    tiled.stamp(points, radius_m);
   }
 
   void expect_same_cells() const {
@@ -83,9 +81,9 @@ TEST(TiledField, HasMemoryForWhatWasStampedOnly) {
   TiledField field(kT_frame_grid, kResolution, kCells, kCells);
   const std::size_t empty = field.bytes();
   EXPECT_LT(empty, 2'000U);
-  field.stamp({15.0, 15.0}, 0.5);
+  field.stamp(std::vector{Point2(15.0, 15.0)}, 0.5);
   EXPECT_LT(field.bytes(), empty + 10'000U);
-  for (const Point2& point : wall_points(7)) field.stamp(point, 0.5);
+  field.stamp(wall_points(7), 0.5);
   EXPECT_LT(field.bytes(), static_cast<std::size_t>(kCells) * kCells / 2);
 }
 

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "support/matchers.hpp"
 
@@ -39,6 +41,25 @@ TEST(LaserScan, AClockwiseLidarLooksTheOtherWay) {
   scan.angle_increment = -pi / 2.0;
   EXPECT_THAT(returns_as_points(scan), ::testing::ElementsAre(IsPointNear(Point2(1, 0), 1e-9),
                                                               IsPointNear(Point2(0, -2), 1e-9)));
+}
+
+TEST(LaserScan, LooksAlongItsBearingsAfterScansOfOtherLidars) {
+  LaserScan first{.angle_min = 0.3, .angle_increment = 0.7, .range_max = 10.0, .ranges = {1, 2}};
+  LaserScan longer = first;
+  longer.ranges = {1, 2, 3, 4};
+  LaserScan later = first;
+  later.angle_min = 1.1;
+  LaserScan finer = first;
+  finer.angle_increment = 0.1;
+  for (const LaserScan& scan : {first, longer, later, finer, first}) {
+    const std::vector<Point2> points = returns_as_points(scan);
+    ASSERT_EQ(points.size(), scan.ranges.size());
+    for (std::size_t beam = 0; beam < points.size(); ++beam) {
+      const double range = static_cast<double>(scan.ranges[beam]);
+      const double bearing = scan.bearing(beam);
+      EXPECT_EQ(points[beam], Point2(range * std::cos(bearing), range * std::sin(bearing)));
+    }
+  }
 }
 
 TEST(LaserScan, ARangeThatIsNoMeasurementIsNoReturn) {
