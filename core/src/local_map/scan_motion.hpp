@@ -39,6 +39,18 @@ inline constexpr double kMinMatchedShare = 0.3;  ///< Of the points of a scan th
   return {position, position, 0.01 + 0.1 * turn_rad + 0.02 * distance_m};
 }
 
+/// Variances by which wheel odometry drifts over a motion, along x, y and yaw of base_link
+/// [m^2, m^2, rad^2]. They grow with the motion and not with the number of scans, so a robot that
+/// stands does not drift.
+[[nodiscard]] inline Eigen::Vector3d odometry_drift(const Pose2& motion) {
+  constexpr double kPosition = 0.07 * 0.07;   // [m^2/m]
+  constexpr double kYaw = 0.02 * 0.02;        // [rad^2/m]
+  constexpr double kYawOfTurn = 0.05 * 0.05;  // [rad^2/rad]
+  const double distance_m = std::hypot(motion.x, motion.y);
+  const double position = kPosition * distance_m;
+  return {position, position, kYaw * distance_m + kYawOfTurn * std::abs(motion.yaw)};
+}
+
 /// The pose that odometry predicts; `noise_scale` multiplies its standard deviations.
 [[nodiscard]] inline PosePrior odometry_prior(
     const Pose2& T_submap_base_link, const Pose2& motion,
@@ -49,6 +61,12 @@ inline constexpr double kMinMatchedShare = 0.3;  ///< Of the points of a scan th
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(predicted.yaw).toRotationMatrix();
   return {predicted, rotation * information.asDiagonal() * rotation.transpose()};
+}
+
+/// The pose of a robot whose odometry did not change. Either it stands or its odometry hangs, so
+/// the prior is half as certain as that of a small motion.
+[[nodiscard]] inline PosePrior standing_prior(const Pose2& T_submap_base_link) {
+  return isotropic_prior(T_submap_base_link, 0.04, 0.03);
 }
 
 /// The pose at constant velocity: `motion` is that between the two scans before.

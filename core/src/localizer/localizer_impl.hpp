@@ -85,20 +85,27 @@ struct Localizer::Impl {
   /// Scan-to-submap matching. Odometry predicts the motion as far as it agrees with the scans, the
   /// motion before where it does not.
   void move_along(const RobotScan& robot_scan, const std::vector<Point2>& points);
+  struct PredictedPose {
+    PosePrior prior;
+    /// Covariance that the motion adds where the scan does not constrain it, of x, y, yaw along the
+    /// axes of the submap.
+    Eigen::Matrix3d drift;
+  };
   /// What is known of the pose at a scan before it is matched.
   struct Prediction {
-    PosePrior likely;
-    /// The other one of odometry and constant velocity; none while odometry is ignored.
-    std::optional<PosePrior> alternative;
+    PredictedPose likely;
+    /// The other one of odometry and constant velocity; none while odometry is ignored or stands.
+    std::optional<PredictedPose> alternative;
     bool is_odometry_likely = false;
     std::optional<Pose2> odometry;  ///< Motion since the last scan.
   };
   [[nodiscard]] Prediction predict(const RobotScan& robot_scan);
+  [[nodiscard]] PredictedPose predict_by_odometry(const Pose2& motion) const;
   /// The motion until the next scan, `interval_s` after the last.
   [[nodiscard]] Pose2 motion_at_constant_velocity(double interval_s) const;
   struct Match {
     RefinedPose pose;
-    Eigen::Matrix3d prior_information;  ///< Of the prediction that it started from.
+    PredictedPose from;  ///< What it started from.
   };
   /// Lays a scan on the submap from the likely prediction, and from the alternative where that
   /// leads to no match or odometry is implausible.

@@ -40,13 +40,13 @@ Eigen::Matrix3d in_base_link(const Eigen::Matrix3d& matrix, double yaw) {
   return rotation.transpose() * matrix * rotation;
 }
 
-/// The part of a matched pose's covariance that its prediction causes: all of it in directions that
-/// the scan does not constrain. `match` is along the axes of base_link, the others along those of
-/// the submap.
-Eigen::Matrix3d share_of_prior(const Eigen::Matrix3d& prior, const Eigen::Matrix3d& match,
-                               double yaw) {
-  const Eigen::Matrix3d covariance = (prior + in_base_link(match, -yaw)).inverse();
-  return covariance * prior * covariance;
+/// The part of a drift that a match leaves: all of it in directions that the scan does not
+/// constrain. `prior` and `match` are the information of both. `match` is along the axes of
+/// base_link, the others along those of the submap.
+Eigen::Matrix3d drift_after_match(const Eigen::Matrix3d& drift, const Eigen::Matrix3d& prior,
+                                  const Eigen::Matrix3d& match, double yaw) {
+  const Eigen::Matrix3d left = (prior + in_base_link(match, -yaw)).inverse() * prior;
+  return left * drift * left.transpose();
 }
 
 bool is_jump(const Pose2& odometry, const Pose2& steady_motion, double interval_s) {
@@ -75,8 +75,8 @@ void Localizer::Impl::move_along(const RobotScan& robot_scan, const std::vector<
     restart_submap(Withdrawal::kScansLost);
     return;
   }
-  Pose2 now_at = prediction.likely.T_frame_base_link;
-  Eigen::Matrix3d noise = prediction.likely.information.inverse();
+  Pose2 now_at = prediction.likely.prior.T_frame_base_link;
+  Eigen::Matrix3d noise = prediction.likely.drift;
   if (!points.empty()) {
     const Match matched = match(points, prediction);
     const bool is_new_laser = !submap.knows_laser(T_base_link_laser);
@@ -84,7 +84,8 @@ void Localizer::Impl::move_along(const RobotScan& robot_scan, const std::vector<
       now_at = matched.pose.T_frame_base_link;
       stray_scans = 0;
       const Eigen::Matrix3d information = submap.match_information(points, now_at);
-      noise = share_of_prior(matched.prior_information, information, now_at.yaw);
+      noise = drift_after_match(matched.from.drift, matched.from.prior.information, information,
+                                now_at.yaw);
       if (prediction.odometry)
         odometry_monitor.add(*prediction.odometry, inverse(before) * now_at, information);
     } else if (!is_new_laser && ++stray_scans >= kMaxStrayScans) {
@@ -110,17 +111,28 @@ Localizer::Impl::Prediction Localizer::Impl::predict(const RobotScan& robot_scan
   const double interval_s = last_stamp ? robot_scan.scan.stamp - *last_stamp : 0.0;
   const Pose2 steady_motion = motion_at_constant_velocity(interval_s);
   last_stamp = robot_scan.scan.stamp;
-  const PosePrior steady = constant_velocity_prior(T_submap_base_link, steady_motion);
+  const PosePrior steady_prior = constant_velocity_prior(T_submap_base_link, steady_motion);
+  const PredictedPose steady{steady_prior, steady_prior.information.inverse()};
   if (!T_odom_before || !last_T_odom_base_link) return {steady, {}, false, {}};
 
   const Pose2 odometry = inverse(*T_odom_before) * *last_T_odom_base_link;
   if (odometry_monitor.use() == OdometryUse::kIgnored) return {steady, {}, false, odometry};
-  const PosePrior by_odometry =
-      odometry_prior(T_submap_base_link, odometry, odometry_monitor.noise_scale());
-  const bool may_hang = *T_odom_before == *last_T_odom_base_link && is_moving(steady_motion);
-  if (may_hang || is_jump(odometry, steady_motion, interval_s))
+  const bool is_unchanged = *T_odom_before == *last_T_odom_base_link;
+  if (is_unchanged && !is_moving(steady_motion)) {
+    const PredictedPose standing{standing_prior(T_submap_base_link), Eigen::Matrix3d::Zero()};
+    return {standing, {}, true, odometry};
+  }
+  const PredictedPose by_odometry = predict_by_odometry(odometry);
+  if (is_unchanged || is_jump(odometry, steady_motion, interval_s))
     return {steady, by_odometry, false, odometry};
   return {by_odometry, steady, true, odometry};
+}
+
+Localizer::Impl::PredictedPose Localizer::Impl::predict_by_odometry(const Pose2& motion) const {
+  const Eigen::Vector3d scale = odometry_monitor.noise_scale();
+  const PosePrior prior = odometry_prior(T_submap_base_link, motion, scale);
+  const Eigen::Matrix3d drift = odometry_drift(motion).cwiseProduct(scale.cwiseAbs2()).asDiagonal();
+  return {prior, in_base_link(drift, -prior.T_frame_base_link.yaw)};
 }
 
 Pose2 Localizer::Impl::motion_at_constant_velocity(double interval_s) const {
@@ -131,12 +143,11 @@ Pose2 Localizer::Impl::motion_at_constant_velocity(double interval_s) const {
 
 Localizer::Impl::Match Localizer::Impl::match(const std::vector<Point2>& points,
                                               const Prediction& prediction) const {
-  const Match likely{submap.match(points, prediction.likely), prediction.likely.information};
+  const Match likely{submap.match(points, prediction.likely.prior), prediction.likely};
   const bool is_enough =
       prediction.is_odometry_likely && likely.pose.inlier_share >= least_matched_share();
   if (is_enough || !prediction.alternative || points.size() < kEnoughPoints) return likely;
-  const Match other{submap.match(points, *prediction.alternative),
-                    prediction.alternative->information};
+  const Match other{submap.match(points, prediction.alternative->prior), *prediction.alternative};
   return other.pose.inlier_share > likely.pose.inlier_share + kClearlyBetterShare ? other : likely;
 }
 

@@ -62,6 +62,8 @@ Eigen::Vector3d OdometryMonitor::noise_scale() const {
     const double count = sums_[static_cast<std::size_t>(2 * axis + 1)];
     scale[axis] = std::sqrt(std::max(1.0, (sum + kPriorCount) / (count + kPriorCount)));
   }
+  // The axes of base_link are those of the odometry only while its heading is right.
+  scale.head<2>().setConstant(scale.head<2>().maxCoeff());
   return scale;
 }
 

@@ -32,7 +32,8 @@ class OdometryMonitor {
   void add(const Pose2& odometry, const Pose2& matched, const Eigen::Matrix3d& match_information);
 
   /// Factors on the standard deviations of odometry along x, y and yaw of base_link, estimated from
-  /// the normalized innovations squared; >= 1.
+  /// the normalized innovations squared; >= 1. Odometry that is wrong sideways may be as wrong
+  /// forward, so x and y have the larger factor of both.
   [[nodiscard]] Eigen::Vector3d noise_scale() const;
   /// kUsed, kWeightedDown or kIgnored.
   [[nodiscard]] OdometryUse use() const;

@@ -28,6 +28,7 @@ constexpr double kDriftYawOfTurn = 0.01;  // after a radian
 // little.
 constexpr ScanRefinerParams kCorrection{
     .kernel_m = 0.15, .sigma_point_m = 0.3, .max_iterations = 8};
+constexpr double kMapNormalError = 0.2;  // of the normals of mapped walls [rad]
 constexpr double kApproach = 0.3;   // from here on a beam must have come through mapped space [m]
 constexpr double kMinKnown = 0.25;  // share of ends that the map must know to correct the pose
 constexpr double kMinFitShare = 0.35;
@@ -101,6 +102,22 @@ std::vector<Point2> ends_on_known_ground(const ClassField& classes, std::span<co
   return known;
 }
 
+/// The pose that follows from a prior and a match which started from it. The match has moved the
+/// pose as if the points gave the information `claimed`; they gave `observed`. So a wall does not
+/// pull the pose along itself.
+Pose2 moved_as_observed(const PosePrior& prior, const Pose2& matched,
+                        const Eigen::Matrix3d& claimed, const Eigen::Matrix3d& observed) {
+  // A trace of information in all directions, so that the inverse exists.
+  const Eigen::Matrix3d all_claimed = claimed + 1e-3 * Eigen::Matrix3d::Identity();
+  const Pose2& from = prior.T_frame_base_link;
+  const Eigen::Vector3d moved{matched.x - from.x, matched.y - from.y,
+                              wrap_angle(matched.yaw - from.yaw)};
+  const Eigen::Vector3d without_prior =
+      all_claimed.inverse() * (prior.information + all_claimed) * moved;
+  const Eigen::Vector3d step = (prior.information + observed).inverse() * observed * without_prior;
+  return {from.x + step.x(), from.y + step.y(), wrap_angle(from.yaw + step.z())};
+}
+
 /// Of evenly thinned points, each standing for its neighbours.
 Eigen::Matrix3d information_of(const DistanceField& field, std::span<const Point2> points,
                                const Pose2& T_map_base_link, const ScanRefinerParams& params) {
@@ -159,11 +176,12 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   const Pose2 aligned = aligned_pose(map.index().field, known, start, correction, prior);
   const EvidenceScore fit = score_evidence(map.index().classes, {known, {}}, aligned);
   if (known_share >= kMinKnown && fit.matched >= kMinFitShare) {
-    T_map_base_link_ = aligned;
+    const Eigen::Matrix3d claimed = information_of(map.index().field, known, aligned, correction);
+    correction.normal_error_rad = kMapNormalError;
+    const Eigen::Matrix3d observed = information_of(map.index().field, known, aligned, correction);
+    T_map_base_link_ = moved_as_observed(prior, aligned, claimed, observed);
     if (distance_m_ >= kLeastDistance) {
-      covariance_ = (prior.information +
-                     information_of(map.index().field, known, T_map_base_link_, correction))
-                        .inverse();
+      covariance_ = (prior.information + observed).inverse();
       distance_m_ = 0.0;
     }
   }

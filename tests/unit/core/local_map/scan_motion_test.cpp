@@ -36,6 +36,18 @@ TEST(ScanMotion, OdometryIsLessCertainTheMoreItMoved) {
   EXPECT_TRUE((moved.array() > still.array()).all());
 }
 
+TEST(ScanMotion, DriftDoesNotDependOnTheScanRate) {
+  const Eigen::Vector3d at_once = odometry_drift({1.0, 0.0, 0.5});
+  const Eigen::Vector3d in_steps = 10.0 * odometry_drift({0.1, 0.0, 0.05});
+  EXPECT_TRUE(in_steps.isApprox(at_once));
+  EXPECT_TRUE((at_once.array() > 0.0).all());
+  EXPECT_EQ(odometry_drift({}), Eigen::Vector3d::Zero());
+}
+
+TEST(ScanMotion, UnchangedOdometryIsLessCertainThanASmallMotion) {
+  EXPECT_LT(standing_prior({}).information.trace(), odometry_prior({}, {}).information.trace());
+}
+
 TEST(ScanMotion, PriorsPredictTheNextPose) {
   const Pose2 here{3.0, 2.0, 0.7};
   const Pose2 motion{0.4, 0.0, 0.1};

@@ -67,7 +67,9 @@ bool is_continuous(const Answer& answer) { return answer.pose && answer.pose->ep
 TEST(LocalizerMotion, APauseWithoutOdometryEndsThePose) {
   std::vector<Moment> moments = room_drive(kRoomSeed, 60);
   for (Moment& moment : moments) moment.scan.T_odom_base_link.reset();
-  EXPECT_TRUE(is_continuous(answer_after_a_pause(moments, 1.0)));
+  std::vector<Moment> with_four_lost = moments;
+  with_four_lost.erase(with_four_lost.end() - 5, with_four_lost.end() - 1);
+  EXPECT_TRUE(is_continuous(answer_after_a_pause(with_four_lost, 0.0)));
   EXPECT_FALSE(is_continuous(answer_after_a_pause(moments, 3.0)));
 }
 
@@ -100,6 +102,20 @@ TEST(LocalizerMotion, OdometryThatHangsInACorridorDoesNotHoldThePose) {
   const std::size_t first = moments.size() / 3;
   for (std::size_t i = first; i < first + 50; ++i)
     moments[i].scan.T_odom_base_link = moments[first].scan.T_odom_base_link;
+  const std::vector<Answer> answers = corridor_answers(moments);
+  EXPECT_EQ(count_wrong(answers, moments), 0U);
+  EXPECT_EQ(answers.back().status, Status::kLocalized);
+}
+
+TEST(LocalizerMotion, OdometryThatHangsFromStandstillOnDoesNotHoldThePose) {
+  std::vector<Moment> moments = corridor_run();
+  const std::size_t first = moments.size() / 3;
+  const Moment standing = moments[first];
+  moments.insert(moments.begin() + static_cast<std::ptrdiff_t>(first), 20, standing);
+  double stamp = 0.0;
+  for (Moment& moment : moments) moment.scan.scan.stamp = stamp += 0.2;
+  for (std::size_t i = first; i < first + 70; ++i)
+    moments[i].scan.T_odom_base_link = standing.scan.T_odom_base_link;
   const std::vector<Answer> answers = corridor_answers(moments);
   EXPECT_EQ(count_wrong(answers, moments), 0U);
   EXPECT_EQ(answers.back().status, Status::kLocalized);

@@ -113,5 +113,27 @@ TEST(LocalizerTracking, APoseThatABareCorridorDoesNotHoldIsGivenUp) {
   EXPECT_LT(x, 53.0);
 }
 
+/// Into the bare part of the corridor, with a scan per 5 cm. There the robot brakes and stands for
+/// 200 scans.
+std::vector<Moment> drive_and_stand_in_bare_corridor() {
+  const std::vector<Point2> points = {{1.0, 1.2}, {26.0, 1.2}};
+  std::vector<Pose2> poses = testing::route(points, 0.05);
+  for (const double step_m : {0.04, 0.03, 0.02, 0.015, 0.01, 0.005})
+    poses.push_back(poses.back() * Pose2{step_m, 0.0, 0.0});
+  poses.insert(poses.end(), 200, poses.back());
+  const Robot robot{.lidar = {.beams = 360, .range_max_m = 8.0, .noise_m = 0.01}};
+  return drive(bare_corridor(), robot, poses, 14);
+}
+
+TEST(LocalizerTracking, OdometryHoldsAPoseInABareCorridor) {
+  const std::vector<Moment> moments = drive_and_stand_in_bare_corridor();
+  const LocalizationMapPtr map = testing::make_map(bare_corridor(), {33.0, 1.2});
+  const std::vector<Answer> answers = answers_of({map}, with(Method::kIndexed), moments);
+  EXPECT_EQ(count_wrong(answers, moments, 0.5), 0U);
+  EXPECT_TRUE(std::ranges::none_of(
+      answers, [](const Answer& answer) { return answer.withdrawal != Withdrawal::kNone; }));
+  EXPECT_EQ(answers.back().status, Status::kLocalized);
+}
+
 }  // namespace
 }  // namespace cornerfix

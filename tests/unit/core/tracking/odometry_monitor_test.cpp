@@ -43,6 +43,14 @@ TEST(OdometryMonitor, DistrustLastsThroughABareCorridor) {
   EXPECT_EQ(later.use(), OdometryUse::kIgnored);
 }
 
+TEST(OdometryMonitor, WhatIsWrongSidewaysIsDistrustedForward) {
+  // Along a corridor the match follows the prediction forward.
+  const OdometryMonitor monitor = after(6, {0.06, 0.06, 0.0}, {0.06, 0.0, 0.0}, kCorridor);
+  EXPECT_GT(monitor.noise_scale().y(), 1.5);
+  EXPECT_EQ(monitor.noise_scale().x(), monitor.noise_scale().y());
+  EXPECT_EQ(monitor.noise_scale().z(), 1.0);
+}
+
 TEST(OdometryMonitor, TakesOdometryUpAgainOnceItAgrees) {
   const OdometryMonitor before = after(10, {}, kTrueStep, kConstrained);
   EXPECT_EQ(after(60, kTrueStep, kTrueStep, kConstrained, before).use(), OdometryUse::kUsed);
