@@ -96,7 +96,7 @@ Response response_of_finished(const Services& services, const Request& request,
 }  // namespace
 
 Response accept_job(const Services& services, const Request& request, const char* kind,
-                    const JobInputView& input, const std::optional<storage::KnownMap>& known_map) {
+                    const JobInputView& input, const std::optional<storage::JobMap>& known_map) {
   std::map<std::string, storage::BlobView> blobs;
   for (const auto& [name, content] : input) {
     blobs.emplace(name, storage::BlobView(reinterpret_cast<const std::uint8_t*>(content.data()),

@@ -26,6 +26,8 @@ Error incomplete_input() {
   return {ErrorCode::kCorruptData, "the job's input is incomplete", "job"};
 }
 
+storage::KnownMap known_map(const JobTask& task) { return {.revision = task.map_revision}; }
+
 std::string_view text_in(const storage::Blob& blob) {
   return {reinterpret_cast<const char*>(blob.data()), blob.size()};
 }
@@ -36,7 +38,7 @@ Result<std::string> import_floor_map(MapLibrary& maps, const JobTask& task) {
   if (yaml == task.input.end() || image == task.input.end()) return incomplete_input();
   const auto report =
       maps.put_floor_map(task.map, text_in(yaml->second), std::as_bytes(std::span(image->second)),
-                         task.progress, task.map_revision);
+                         task.progress, known_map(task));
   if (!report) return report.error();
   return api::encode(api::render_floor_map(entry_of(*report)), api::BodyFormat::kJson);
 }
@@ -62,8 +64,8 @@ Result<std::string> map_run(MapLibrary& maps, const api::RequestLimits& limits,
   const auto& scans = std::get<api::MapScansRequest>(parsed);
   const auto report =
       scans.unposed_scans.empty()
-          ? maps.add_run(task.map, scans.scans, task.progress, task.map_revision)
-          : maps.add_run(task.map, scans.unposed_scans, task.progress, task.map_revision);
+          ? maps.add_run(task.map, scans.scans, task.progress, known_map(task))
+          : maps.add_run(task.map, scans.unposed_scans, task.progress, known_map(task));
   if (!report) return report.error();
   return api::encode(api::render_map_batch(entry_of(*report)), api::BodyFormat::kJson);
 }

@@ -64,7 +64,7 @@ void JobService::close() {
 Result<std::optional<JobRecord>> JobService::submit(
     std::string_view kind, std::string_view map,
     const std::map<std::string, storage::BlobView>& input,
-    const std::optional<storage::KnownMap>& known_map) {
+    const std::optional<storage::JobMap>& known_map) {
   const storage::NewJob job{.id = random_id(),
                             .kind = std::string(kind),
                             .map = std::string(map),

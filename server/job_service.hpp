@@ -65,7 +65,7 @@ class JobService {
   [[nodiscard]] Result<std::optional<storage::JobRecord>> submit(
       std::string_view kind, std::string_view map,
       const std::map<std::string, storage::BlobView>& input,
-      const std::optional<storage::KnownMap>& known_map = {});
+      const std::optional<storage::JobMap>& known_map = {});
   [[nodiscard]] Result<storage::JobRecord> find(std::string_view id);
   [[nodiscard]] Result<std::vector<storage::JobRecord>> list(const storage::JobPage& page);
   [[nodiscard]] Result<std::string> answer(std::string_view id);

@@ -82,30 +82,30 @@ struct MapLibrary::GrownMap {
 };
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans,
-                                         const ExpectedRevision& expected) {
+                                         const ExpectedMap& expected) {
   return retrying([&] { return grow_once(name, scans, expected); });
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans,
-                                         const ExpectedRevision& expected) {
+                                         const ExpectedMap& expected) {
   return retrying([&] { return grow_once(name, scans, expected); });
 }
 
 Result<MapGrowthReport> MapLibrary::add_run(std::string_view name, std::span<const PosedScan> scans,
                                             const WorkProgress& progress,
-                                            const ExpectedRevision& expected) {
+                                            const ExpectedMap& expected) {
   return retrying([&] { return add_run_once(name, scans, progress, expected); });
 }
 
 Result<MapGrowthReport> MapLibrary::add_run(std::string_view name, std::span<const RobotScan> scans,
                                             const WorkProgress& progress,
-                                            const ExpectedRevision& expected) {
+                                            const ExpectedMap& expected) {
   return retrying([&] { return add_run_once(name, scans, progress, expected); });
 }
 
 template <typename Scan>
 Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<const Scan> scans,
-                                              const ExpectedRevision& expected) {
+                                              const ExpectedMap& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
@@ -119,7 +119,7 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
 template <typename Scan>
 Result<MapGrowthReport> MapLibrary::add_run_once(std::string_view name, std::span<const Scan> scans,
                                                  const WorkProgress& progress,
-                                                 const ExpectedRevision& expected) {
+                                                 const ExpectedMap& expected) {
   const auto found = find(name);
   if (!found) return found.error();
   GrowingMap own(found->id);
@@ -129,7 +129,7 @@ Result<MapGrowthReport> MapLibrary::add_run_once(std::string_view name, std::spa
 template <typename Scan>
 Result<MapGrowthReport> MapLibrary::grow_by(GrowingMap& growing, const MapInfo& info,
                                             std::span<const Scan> scans,
-                                            const ExpectedRevision& expected,
+                                            const ExpectedMap& expected,
                                             const WorkProgress& progress) {
   constexpr bool kHavePoses = std::is_same_v<Scan, PosedScan>;
   if (auto error = mixed(info, kHavePoses)) return *error;
@@ -142,8 +142,7 @@ Result<MapGrowthReport> MapLibrary::grow_by(GrowingMap& growing, const MapInfo& 
                          .features = info.feature_count,
                          .revision = info.revision};
   if (fresh->empty()) return report;
-  if (const auto checked = check_revision(info.revision, expected); !checked)
-    return checked.error();
+  if (const auto checked = check_expected(info, expected); !checked) return checked.error();
   if constexpr (!kHavePoses) {
     if (auto error = too_late(*fresh, scans, *growing.mapper)) return *error;
   }

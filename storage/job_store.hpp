@@ -58,7 +58,7 @@ struct JobRecord {
 using JobInput = std::map<std::string, Blob>;
 
 /// The map that a job may change, as the client knew it.
-struct KnownMap {
+struct JobMap {
   std::uint64_t revision = 0;  ///< 0: there was none.
   /// Also where earlier jobs of the map are not finished; else the job changes what they leave.
   bool is_required = false;
@@ -74,7 +74,7 @@ struct NewJob {
   std::string map;
   std::string created;
   std::map<std::string, BlobView> input{};  ///< As JobInput.
-  std::optional<KnownMap> known_map{};      ///< Of a job that changes the map.
+  std::optional<JobMap> known_map{};        ///< Of a job that changes the map.
 };
 
 /// Of jobs that are not finished.

@@ -316,7 +316,7 @@ void leave_import_behind(const std::filesystem::path& database, std::uint64_t ma
                            .map = "plan",
                            .created = "t0",
                            .input = {{"yaml", text}, {"image", pixels}},
-                           .known_map = storage::KnownMap{map_revision}},
+                           .known_map = storage::JobMap{map_revision}},
                           {}));
   ASSERT_TRUE(jobs.claim("dead", {}, "t1").value());
   ASSERT_TRUE(jobs.release(jobs.find("left")->number, "dead", true));

@@ -231,8 +231,8 @@ TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) 
   std::string last;
   {
     const auto service = serve(change);
-    ASSERT_TRUE(service->submit("work", "office", {}, storage::KnownMap{1}));
-    last = service->submit("work", "office", {}, storage::KnownMap{1}).value()->id;
+    ASSERT_TRUE(service->submit("work", "office", {}, storage::JobMap{1}));
+    last = service->submit("work", "office", {}, storage::JobMap{1}).value()->id;
     are_both_there = true;
     ASSERT_TRUE(becomes(last, JobStatus::kSucceeded));
   }

@@ -7,6 +7,7 @@
 namespace cornerfix::server {
 namespace {
 
+using storage::KnownMap;
 using ::testing::HasSubstr;
 
 class UnposedDriveTest : public ServiceTest {
@@ -89,11 +90,8 @@ TEST_F(UnposedDriveTest, BecomesTheSameMapAsAWholeRun) {
   const auto stored = maps_.load("whole", [](double) { return false; });
   ASSERT_TRUE(stored);
   EXPECT_EQ((*stored)->grid(), expected->grid());
-  EXPECT_EQ(maps_
-                .add_run(
-                    "whole", drive_, [](std::string_view, double) { return true; }, 1)
-                ->duplicates,
-            drive_.size());
+  const auto goes_on = [](std::string_view, double) { return true; };
+  EXPECT_EQ(maps_.add_run("whole", drive_, goes_on, KnownMap{1})->duplicates, drive_.size());
 }
 
 TEST_F(UnposedDriveTest, ChangesNothingWhenAWholeRunIsGivenUp) {
@@ -114,11 +112,11 @@ TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheExpectedRevisionOnly) {
   ASSERT_TRUE(maps_.grow("office", part(0, 20)));
   const auto changed = maps_.find("office")->revision;
   const auto goes_on = [](std::string_view, double) { return true; };
-  const auto refused = maps_.add_run("office", part(20, 40), goes_on, changed - 1);
+  const auto refused = maps_.add_run("office", part(20, 40), goes_on, KnownMap{changed - 1});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
   EXPECT_EQ(maps_.find("office")->revision, changed);
-  EXPECT_TRUE(maps_.add_run("office", part(20, 40), goes_on, changed));
+  EXPECT_TRUE(maps_.add_run("office", part(20, 40), goes_on, KnownMap{changed}));
 }
 
 TEST_F(UnposedDriveTest, TakesNoScansAtPoses) {

@@ -56,7 +56,7 @@ TEST_P(JobStoreTest, GivesBackAJobAndItsInputAsTheyWere) {
 }
 
 TEST_P(JobStoreTest, KeepsTheMapsRevisionWhereNoEarlierJobMayChangeIt) {
-  const auto add_change = [&](const std::string& id, const std::string& map, KnownMap known) {
+  const auto add_change = [&](const std::string& id, const std::string& map, JobMap known) {
     return store_
         .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
         .value()
