@@ -96,13 +96,13 @@ Response response_of_finished(const Services& services, const Request& request,
 }  // namespace
 
 Response accept_job(const Services& services, const Request& request, const char* kind,
-                    const JobInputView& input, const std::optional<storage::JobMap>& known_map) {
+                    const JobInputView& input, const storage::JobMap& map) {
   std::map<std::string, storage::BlobView> blobs;
   for (const auto& [name, content] : input) {
     blobs.emplace(name, storage::BlobView(reinterpret_cast<const std::uint8_t*>(content.data()),
                                           content.size()));
   }
-  const auto job = services.jobs->submit(kind, request.captures[0], blobs, known_map);
+  const auto job = services.jobs->submit(kind, request.captures[0], blobs, map);
   if (!job) return error_response(request, job.error());
   if (!*job) {
     return over_quota(services, "too_many_jobs",
@@ -113,7 +113,7 @@ Response accept_job(const Services& services, const Request& request, const char
   if (!wait) return accepted_job(request, **job);
   const auto waited = services.jobs->wait_for((*job)->id, *wait);
   if (!waited) return error_response(request, waited.error());
-  const bool makes_a_map = known_map && known_map->revision == 0;
+  const bool makes_a_map = map.revision == 0;
   return response_of_finished(services, request, *waited, makes_a_map);
 }
 

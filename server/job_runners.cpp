@@ -26,8 +26,6 @@ Error incomplete_input() {
   return {ErrorCode::kCorruptData, "the job's input is incomplete", "job"};
 }
 
-storage::KnownMap known_map(const JobTask& task) { return {.revision = task.map_revision}; }
-
 std::string_view text_in(const storage::Blob& blob) {
   return {reinterpret_cast<const char*>(blob.data()), blob.size()};
 }
@@ -38,7 +36,7 @@ Result<std::string> import_floor_map(MapLibrary& maps, const JobTask& task) {
   if (yaml == task.input.end() || image == task.input.end()) return incomplete_input();
   const auto report =
       maps.put_floor_map(task.map, text_in(yaml->second), std::as_bytes(std::span(image->second)),
-                         task.progress, known_map(task));
+                         task.progress, task.known_map);
   if (!report) return report.error();
   return api::encode(api::render_floor_map(entry_of(*report)), api::BodyFormat::kJson);
 }
@@ -64,8 +62,8 @@ Result<std::string> map_run(MapLibrary& maps, const api::RequestLimits& limits,
   const auto& scans = std::get<api::MapScansRequest>(parsed);
   const auto report =
       scans.unposed_scans.empty()
-          ? maps.add_run(task.map, scans.scans, task.progress, known_map(task))
-          : maps.add_run(task.map, scans.unposed_scans, task.progress, known_map(task));
+          ? maps.add_run(task.map, scans.scans, task.progress, task.known_map)
+          : maps.add_run(task.map, scans.unposed_scans, task.progress, task.known_map);
   if (!report) return report.error();
   return api::encode(api::render_map_batch(entry_of(*report)), api::BodyFormat::kJson);
 }
@@ -98,6 +96,7 @@ Result<std::string> report_on_map(MapLibrary& maps, ReportService& reports, cons
       return Error{ErrorCode::kUnavailable, "the report was given up", ""};
     const auto info = maps.find(task.map);
     if (!info) return info.error();
+    if (task.known_map.id != 0 && info->id != task.known_map.id) return lost_map(task.map);
     if (!info->bounds) return map_without_grid();
     const auto view = reports.get(*info, kLookInterval, ReportWaiter::kJob);
     if (!view) return view.error();

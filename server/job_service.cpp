@@ -40,6 +40,11 @@ Error too_many_attempts() {
 
 }  // namespace
 
+Error lost_map(std::string_view name) {
+  return {ErrorCode::kConflict,
+          "the map " + std::string(name) + " that the job was given for was deleted", ""};
+}
+
 JobService::JobService(std::shared_ptr<StoreAccess> stores, JobRunners runners,
                        JobServiceSettings settings)
     : stores_(std::move(stores)),
@@ -207,11 +212,11 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   if (job.attempts > kMaxAttempts) return too_many_attempts();
   auto input = stores_->with_jobs([&](JobStore& jobs) { return jobs.input(job.number); });
   if (!input) return input.error();
-  const auto revision = map_revision(job, *input);
-  if (!revision) return revision.error();
+  const auto known = known_map(job, *input);
+  if (!known) return known.error();
   try {
     return runner->second({.map = job.map,
-                           .map_revision = *revision,
+                           .known_map = *known,
                            .attempts = job.attempts,
                            .input = std::move(*input),
                            .progress = [this](std::string_view stage, double share) {
@@ -222,16 +227,21 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   }
 }
 
-Result<std::uint64_t> JobService::map_revision(const JobRecord& job,
-                                               const storage::JobInput& input) {
-  if (const auto known = storage::map_revision(input)) return *known;
-  const auto info = stores_->with_maps([&](storage::MapStore& maps) { return maps.find(job.map); });
-  if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
-  const std::uint64_t revision = info ? info->revision : 0;
-  const auto kept = stores_->with_jobs(
-      [&](JobStore& jobs) { return jobs.keep_map_revision(job.number, revision); });
+Result<storage::KnownMap> JobService::known_map(const JobRecord& job,
+                                                const storage::JobInput& input) {
+  const std::int64_t id = storage::map_id(input);
+  const auto found =
+      stores_->with_maps([&](storage::MapStore& maps) { return maps.find(job.map); });
+  if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+  const storage::MapInfo map = found ? *found : storage::MapInfo{};
+  if (id != 0 && map.id != id) return lost_map(job.map);
+  if (const auto revision = storage::map_revision(input))
+    return storage::KnownMap{.revision = *revision, .id = id};
+  const auto kept = stores_->with_jobs([&](JobStore& jobs) {
+    return jobs.keep_map(job.number, map.revision, id == 0 ? map.id : 0);
+  });
   if (!kept) return kept.error();
-  return revision;
+  return storage::KnownMap{.revision = map.revision, .id = map.id};
 }
 
 bool JobService::note_progress(std::string_view stage, double share) {

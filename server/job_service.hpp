@@ -20,17 +20,21 @@
 #include "server/store_access.hpp"
 #include "server/work_progress.hpp"
 #include "storage/job_store.hpp"
+#include "storage/known_map.hpp"
 
 namespace cornerfix::server {
 
 /// What the work of a job gets.
 struct JobTask {
   std::string map;
-  std::uint64_t map_revision = 0;  ///< That may be changed; 0: there must be no such map.
-  std::uint64_t attempts = 1;      ///< Above 1: it may have been done before a server died.
+  storage::KnownMap known_map;  ///< That may be changed.
+  std::uint64_t attempts = 1;   ///< Above 1: it may have been done before a server died.
   storage::JobInput input;
   WorkProgress progress;
 };
+
+/// kConflict: the map that a job was given for was deleted.
+[[nodiscard]] Error lost_map(std::string_view name);
 
 /// Does the work of one kind of job and returns its answer, a JSON document. It may be called again
 /// for a job that another server began: the same input must lead to the same state.
@@ -106,8 +110,8 @@ class JobService {
   [[nodiscard]] bool note_progress(std::string_view stage, double share);
   void end(const storage::JobRecord& job, const Result<std::string>& answer);
   void finish(const storage::JobRecord& job, const storage::JobOutcome& outcome);
-  [[nodiscard]] Result<std::uint64_t> map_revision(const storage::JobRecord& job,
-                                                   const storage::JobInput& input);
+  [[nodiscard]] Result<storage::KnownMap> known_map(const storage::JobRecord& job,
+                                                    const storage::JobInput& input);
   [[nodiscard]] Result<storage::JobRecord> wait_until(std::string_view id,
                                                       Clock::time_point deadline);
 

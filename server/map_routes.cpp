@@ -94,6 +94,8 @@ Response entry_response(const Request& request, int status, const MapInfo& info)
   return response;
 }
 
+JobMap job_map(const MapInfo& info) { return {.revision = info.revision, .id = info.id}; }
+
 /// A change that was asked for with If-Match and came too late is 412 (RFC 9110, 13.1.1).
 Response change_error(const Request& request, const Error& error) {
   const bool came_too_late = error.code == ErrorCode::kConflict && error.field == "revision";
@@ -384,18 +386,19 @@ class MapRoutes {
   Response accept_change_job(const Request& request, const char* kind, const JobInputView& input,
                              const ExpectedMap& expected) {
     if (expected)
-      return accept_job(services_, request, kind, input, JobMap{expected->revision, true});
+      return accept_job(services_, request, kind, input,
+                        JobMap{expected->revision, expected->id, true});
     const auto info = maps().find(request.captures[0]);
     if (!info && info.error().code != ErrorCode::kNotFound)
       return error_response(request, info.error());
-    return accept_job(services_, request, kind, input, JobMap{info ? info->revision : 0, false});
+    return accept_job(services_, request, kind, input, info ? job_map(*info) : JobMap{});
   }
 
   Response accept_report_job(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
     if (!info->bounds) return error_response(request, map_without_grid());
-    return accept_job(services_, request, kReportJob, {}, std::nullopt);
+    return accept_job(services_, request, kReportJob, {}, job_map(*info));
   }
 
   template <typename Render>

@@ -302,6 +302,31 @@ TEST(JobsApi, ShowsJobsToThoseWhoMayChangeMapsOnly) {
   EXPECT_EQ(finished_job(mapper, path)["status"], "succeeded");
 }
 
+TEST(JobsApi, DoesNotAddARunToAnotherMapOfTheSameName) {
+  const testing::TemporaryDirectory directory;
+  leave_job_behind(directory / "test.db", "office");
+  const testing::TestServer server(directory / "test.db");
+  HttpClient client(server.port());
+  ASSERT_EQ(client.put("/v1/maps/office", Json::object()).status, 201);
+  const Json run = unposed_run(testing::robot_drive(20));
+  const Reply accepted =
+      client.send("POST", "/v1/maps/office/scans", run.dump(), "application/json", kAsync);
+  ASSERT_EQ(accepted.status, 202) << accepted.body;
+  ASSERT_EQ(client.remove("/v1/maps/office").status, 204);
+  ASSERT_EQ(client.put("/v1/maps/office", Json::object()).status, 201);
+  {
+    storage::JobStore jobs(
+        storage::Database::open((directory / "test.db").string(), storage::Synchronous::kFull)
+            .value());
+    const storage::JobOutcome failed{.status = storage::JobStatus::kFailed};
+    ASSERT_TRUE(jobs.finish(jobs.find("left")->number, "dead", failed, "t2").value());
+  }
+  const Json job = finished_job(client, accepted.header("location"));
+  EXPECT_EQ(job["status"], "failed") << job;
+  EXPECT_EQ(job["problem"]["status"], 409);
+  EXPECT_EQ(client.get("/v1/maps/office").json()["keyframes"], 0);
+}
+
 /// A job that a server did, up to the answer, before it died; `form` is that of an import.
 void leave_import_behind(const std::filesystem::path& database, std::uint64_t map_revision) {
   const OccupancyGrid grid = room_grid();

@@ -119,6 +119,19 @@ TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheExpectedRevisionOnly) {
   EXPECT_TRUE(maps_.add_run("office", part(20, 40), goes_on, KnownMap{changed}));
 }
 
+TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheMapThatItWasGivenForOnly) {
+  const storage::MapInfo seen = *maps_.find("office");
+  ASSERT_TRUE(maps_.remove("office"));
+  ASSERT_TRUE(maps_.put("office", {}));
+  ASSERT_EQ(maps_.find("office")->revision, seen.revision);
+  const auto goes_on = [](std::string_view, double) { return true; };
+  const auto refused =
+      maps_.add_run("office", part(0, 20), goes_on, KnownMap{seen.revision, seen.id});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(maps_.find("office")->key_frame_count, 0U);
+}
+
 TEST_F(UnposedDriveTest, TakesNoScansAtPoses) {
   ASSERT_TRUE(maps_.grow("office", drive_));
   const auto before = *maps_.find("office");
