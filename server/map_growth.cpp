@@ -165,17 +165,22 @@ Result<MapGrowthReport> MapLibrary::grow_by(GrowingMap& growing, const MapInfo& 
   return report;
 }
 
-Result<MapInfo> MapLibrary::store_growth(const GrownMap& grown, const MapInfo& before,
-                                         bool drifts) {
+Result<MapInfo> MapLibrary::store_growth(const GrownMap& grown, const MapInfo& before, bool drifts,
+                                         const MapContent* content) {
+  MapSketch sketch;
+  if (content != nullptr) sketch = sketch_of(content->features, content->grid);
   const storage::MapGrowth growth{.stamps = grown.new_stamps,
                                   .new_key_frames = grown.new_key_frames,
                                   .outline = outline_of(grown.mapper),
-                                  .drifts = drifts};
+                                  .drifts = drifts,
+                                  .content = content,
+                                  .sketch = content != nullptr ? &sketch : nullptr};
   return stores_->with_maps(
       [&](MapStore& maps) { return maps.grow(before.id, before.revision, growth, now_()); });
 }
 
-/// The content is made first, so that a run that is given up has changed nothing.
+/// The content is made first, so that a run that is given up has changed nothing. It is stored in
+/// one transaction with the scans: a repetition of the run finds nothing left to do.
 Result<MapInfo> MapLibrary::store_with_content(const GrownMap& grown, const MapInfo& before,
                                                bool drifts, const WorkProgress& progress) {
   const auto content =
@@ -185,11 +190,7 @@ Result<MapInfo> MapLibrary::store_with_content(const GrownMap& grown, const MapI
       });
   if (!content) return content.error();
   if (!progress("storing", kGrowthStoringBegins)) return run_given_up();
-  auto info = store_growth(grown, before, drifts);
-  if (!info) return info;
-  if (auto stored = store_content(*info, *content); !stored) return stored.error();
-  info->feature_count = content->features.size();
-  return info;
+  return store_growth(grown, before, drifts, &*content);
 }
 
 }  // namespace cornerfix::server

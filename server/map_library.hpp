@@ -191,8 +191,10 @@ class MapLibrary {
                                                 std::span<const Scan> scans,
                                                 const ExpectedMap& expected,
                                                 const WorkProgress& progress);
+  /// \param content  Stored with the growth, with its sketch; null where that is done later.
   [[nodiscard]] Result<storage::MapInfo> store_growth(const GrownMap& grown,
-                                                      const storage::MapInfo& before, bool drifts);
+                                                      const storage::MapInfo& before, bool drifts,
+                                                      const MapContent* content = nullptr);
   [[nodiscard]] Result<storage::MapInfo> store_with_content(const GrownMap& grown,
                                                             const storage::MapInfo& before,
                                                             bool drifts,

@@ -163,6 +163,8 @@ Result<std::vector<bool>> MapStore::known_stamps(std::int64_t map_id,
 Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revision,
                                const MapGrowth& growth, std::string_view now) {
   return guarded([&]() -> Result<MapInfo> {
+    ContentBlobs content;
+    if (growth.content != nullptr) content = encode_content(0, *growth.content);
     const auto transaction = database_->begin(Access::kWrite);
     MapTables& maps = database_->maps();
     Result<MapRow> map = find_at_revision(maps, map_id, expected_revision);
@@ -182,6 +184,13 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
       info.drifts = growth.drifts;
       seal_revision(*map, change);
     }
+    if (growth.content != nullptr) {
+      info.feature_count = growth.content->features.size();
+      content.revision = info.revision;
+      maps.put_content(map_id, content);
+    }
+    if (growth.sketch != nullptr)
+      maps.put_sketch({map_id, info.revision, encode_map_sketch(*growth.sketch)});
     maps.update(*map);
     transaction->commit();
     return std::move(info);

@@ -66,6 +66,9 @@ struct MapGrowth {
   std::span<const PosedScan> new_key_frames;  ///< In order.
   MapOutline outline{};                       ///< After the growth.
   bool drifts = false;  ///< The poses are those of lidar odometry, as MapInfo::drifts.
+  /// Derived from the grown map, to be stored with it; null where that is done later.
+  const MapContent* content = nullptr;
+  const MapSketch* sketch = nullptr;  ///< Of `content`; null where there is none.
 };
 
 /// What PUT …/grid makes a map of, in one transaction.

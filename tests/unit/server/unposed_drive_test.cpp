@@ -1,5 +1,6 @@
 #include "server/map_library.hpp"
 
+#include <SQLiteCpp/Database.h>
 #include <gmock/gmock.h>
 
 #include "unit/server/service_fixture.hpp"
@@ -106,6 +107,21 @@ TEST_F(UnposedDriveTest, ChangesNothingWhenAWholeRunIsGivenUp) {
     EXPECT_EQ(maps_.find("office")->revision, before.revision);
   }
   EXPECT_EQ(maps_.grow("office", part(20, 40))->accepted, 40U);
+}
+
+TEST_F(UnposedDriveTest, StoresAWholeRunWithItsContentOrNothing) {
+  const auto goes_on = [](std::string_view, double) { return true; };
+  const auto before = *maps_.find("office");
+  SQLite::Database database(file().string(), SQLite::OPEN_READWRITE);
+  for (const std::string table : {"map_contents", "map_sketches"}) {
+    database.exec("CREATE TRIGGER fault BEFORE INSERT ON " + table +
+                  " BEGIN SELECT RAISE(ABORT, 'fault'); END");
+    EXPECT_FALSE(maps_.add_run("office", drive_, goes_on)) << table;
+    database.exec("DROP TRIGGER fault");
+    EXPECT_EQ(maps_.find("office")->revision, before.revision) << table;
+    EXPECT_EQ(maps_.find("office")->key_frame_count, 0U) << table;
+  }
+  EXPECT_EQ(maps_.add_run("office", drive_, goes_on)->accepted, drive_.size());
 }
 
 TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheExpectedRevisionOnly) {
