@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <charconv>
 #include <chrono>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -75,8 +72,7 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
 
 /// Names what a change of the map is to start from.
 std::string entity_tag_of(const MapInfo& info) {
-  return fmt::format("\"{}-{}-{:x}\"", info.revision, info.digest,
-                     std::hash<std::string>{}(info.description));
+  return map_entity_tag(info.revision, info.digest, info.description);
 }
 
 /// Names the content of a map alone.

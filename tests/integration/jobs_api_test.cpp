@@ -227,6 +227,18 @@ TEST_F(JobsApiTest, AnswersAsWithoutAJobWhenItIsFinishedWhileTheClientWaits) {
   EXPECT_EQ(wrong.json()["errors"][0]["pointer"], "/image");
 }
 
+TEST_F(JobsApiTest, NamesTheMapOfAnArchiveThatTheClientWaitsFor) {
+  client_.put("/v1/maps/empty", {{"description", "ground floor"}});
+  const std::string archive = client_.get("/v1/maps/empty/archive").body;
+  const Reply made =
+      client_.send("POST", "/v1/maps/copy/archive", archive, "application/vnd.sqlite3",
+                   {{"Prefer", "respond-async, wait=60"}});
+  ASSERT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(made.header("location"), "/v1/maps/copy");
+  EXPECT_NE(made.header("etag"), "");
+  EXPECT_EQ(made.header("etag"), client_.get("/v1/maps/copy").header("etag"));
+}
+
 TEST_F(JobsApiTest, ShowsJobsInTheMetrics) {
   put_grid(client_, "plan", {{"Prefer", "respond-async, wait=60"}});
   const std::string metrics = client_.get("/metrics").body;
