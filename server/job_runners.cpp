@@ -68,10 +68,10 @@ Result<std::string> map_run(MapLibrary& maps, const api::RequestLimits& limits,
   return api::encode(api::render_map_batch(entry_of(*report)), api::BodyFormat::kJson);
 }
 
-/// The map that an earlier attempt made of the archive before its server died; else nothing.
+/// The map that an earlier attempt made of the archive before its server ended; else nothing.
 std::optional<storage::MapInfo> restored_before(MapLibrary& maps, const JobTask& task,
                                                 const storage::Blob& bytes) {
-  if (task.attempts <= 1) return std::nullopt;
+  if (task.known_map.revision > 0) return std::nullopt;  // It was there before the job.
   const auto archive = storage::decode_archive(bytes);
   auto info = maps.find(task.map);
   const bool is_same =

@@ -62,6 +62,7 @@ JobService::~JobService() {
 
 void JobService::close() {
   const std::lock_guard lock(mutex_);
+  if (!closing_) closed_ = Clock::now();
   closing_ = true;
   changed_.notify_all();
 }
@@ -150,6 +151,8 @@ void JobService::work() {
     // One that failed before is not tried again at once.
     changed_.wait_for(lock, settings_.heartbeat, [&] { return closing_ || has_news_; });
   }
+  worker_ended_ = true;
+  changed_.notify_all();
 }
 
 std::optional<JobRecord> JobService::claim() {
@@ -217,7 +220,6 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   try {
     return runner->second({.map = job.map,
                            .known_map = *known,
-                           .attempts = job.attempts,
                            .input = std::move(*input),
                            .progress = [this](std::string_view stage, double share) {
                              return note_progress(stage, share);
@@ -298,16 +300,22 @@ void JobService::finish(const JobRecord& job, const JobOutcome& outcome) {
                     {"status", to_string(outcome.status)}});
 }
 
+bool JobService::put_back(std::int64_t job) {
+  return stores_->with_job_leases([&](JobStore& jobs) { return jobs.release(job, holder_, false); })
+      .ok();
+}
+
 void JobService::keep_lease() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait_for(lock, settings_.heartbeat,
-                      [&] { return (closing_ && !current_) || must_renew_; });
+    changed_.wait_for(lock, settings_.heartbeat, [&] { return worker_ended_ || must_renew_; });
     must_renew_ = false;
-    if (closing_ && !current_) return;
+    if (worker_ended_) return;  // Before, it may have claimed a job that is not in work yet.
     if (!current_) continue;
     const Current current = *current_;
+    const bool is_late = closing_ && Clock::now() - closed_ >= settings_.patience;
     lock.unlock();
+    if (is_late && put_back(current.number)) return;
     const auto lease = stores_->with_job_leases([&](JobStore& jobs) {
       return jobs.renew(current.number, holder_, current.stage, current.progress);
     });

@@ -28,7 +28,6 @@ namespace cornerfix::server {
 struct JobTask {
   std::string map;
   storage::KnownMap known_map;  ///< That may be changed.
-  std::uint64_t attempts = 1;   ///< Above 1: it may have been done before a server died.
   storage::JobInput input;
   WorkProgress progress;
 };
@@ -50,6 +49,9 @@ struct JobServiceSettings {
   /// A running job whose heartbeat stands still for so long is taken over.
   std::chrono::milliseconds lease{15'000};
   std::chrono::milliseconds heartbeat{1'000};  ///< Also between looks for new jobs.
+  /// After close() the job in work may take so long to end. Then it goes back into the queue, and
+  /// what its thread still does is of no use.
+  std::chrono::milliseconds patience{500};
 };
 
 /// One thread of low priority does the jobs of the database, one after the other; other servers on
@@ -79,7 +81,8 @@ class JobService {
   [[nodiscard]] Result<storage::JobRecord> wait_for(std::string_view id, std::chrono::seconds wait);
   [[nodiscard]] Result<std::vector<storage::JobCount>> counts();
 
-  /// No job is begun any more. The one in work is given up and goes back into the queue.
+  /// No job is begun any more. The one in work is given up and goes back into the queue, also when
+  /// its thread does not end.
   void close();
 
  private:
@@ -101,6 +104,8 @@ class JobService {
 
   void work();
   void keep_lease();
+  /// Whether it is done: the database may be busy.
+  [[nodiscard]] bool put_back(std::int64_t job);
   [[nodiscard]] std::optional<storage::JobRecord> claim();
   void remove_expired();
   [[nodiscard]] std::vector<storage::JobLease> expired_leases(
@@ -130,6 +135,8 @@ class JobService {
   std::uint64_t ended_ = 0;  ///< Jobs that ended here.
   bool must_renew_ = false;  ///< A job was cancelled here: it may be the one in work.
   bool closing_ = false;
+  bool worker_ended_ = false;
+  Clock::time_point closed_{};  ///< When `closing_` was set.
   std::thread keeper_;
   std::thread worker_;
 };

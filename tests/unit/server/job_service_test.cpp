@@ -58,7 +58,8 @@ class JobServiceTest : public ServiceTest {
                            .expired_before = expired_before,
                            .limits = limits,
                            .lease = lease,
-                           .heartbeat = std::chrono::milliseconds(5)});
+                           .heartbeat = std::chrono::milliseconds(5),
+                           .patience = std::chrono::milliseconds(0)});
   }
   static std::string submit(JobService& service, const std::string& map = "office",
                             const std::string& text = "{}") {
@@ -177,6 +178,26 @@ TEST_F(JobServiceTest, PutsTheJobInWorkBackWhenItEndsAndTheNextServerDoesIt) {
   const auto next = serve(echo);
   ASSERT_TRUE(becomes(id, JobStatus::kSucceeded));
   EXPECT_EQ(next->answer(id).value(), R"({"a":1})");
+}
+
+TEST_F(JobServiceTest, PutsAJobBackWhoseThreadDoesNotEnd) {
+  std::atomic<bool> may_end{false};
+  std::string id;
+  {
+    const auto service = serve([&](const JobTask&) -> Result<std::string> {
+      while (!may_end) std::this_thread::yield();
+      return std::string("{}");
+    });
+    id = submit(*service);
+    EXPECT_TRUE(becomes(id, JobStatus::kRunning));
+    service->close();
+    EXPECT_TRUE(becomes(id, JobStatus::kQueued));
+    EXPECT_EQ(find(id).attempts, 0U);
+    may_end = true;
+  }
+  EXPECT_EQ(find(id).status, JobStatus::kQueued);
+  const auto next = serve(echo);
+  EXPECT_TRUE(becomes(id, JobStatus::kSucceeded));
 }
 
 TEST_F(JobServiceTest, TakesTheJobOfADeadServerOverWhenItsLeaseHasRunOut) {
