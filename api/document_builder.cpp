@@ -119,6 +119,7 @@ bool DocumentBuilder::open(nlohmann::json empty) {
 
 bool DocumentBuilder::close() {
   if (aside_ != Aside::kNothing && --aside_depth_ > 0) return true;
+  if (aside_ == Aside::kRanges) max_values_ += ranges_->size() / kRangesPerValue;
   aside_ = Aside::kNothing;
   open_.pop_back();
   keys_.pop_back();
@@ -126,9 +127,10 @@ bool DocumentBuilder::close() {
 }
 
 bool DocumentBuilder::add(nlohmann::json value) {
-  if (++values_ > kMaxValues) {
-    return fail(make_problem(ErrorCode::kTooLarge,
-                             "The body has more than " + std::to_string(kMaxValues) + " values."));
+  if (++values_ > max_values_) {
+    return fail(make_problem(
+        ErrorCode::kTooLarge,
+        "The body has more than " + std::to_string(max_values_) + " values, ranges not counted."));
   }
   if (open_.empty()) {
     document_.root = std::move(value);

@@ -37,6 +37,10 @@ class DocumentBuilder {
  public:
   static constexpr std::size_t kMaxDepth = 16;
   static constexpr std::size_t kMaxValues = 500'000;  ///< Without ranges.
+  /// So many ranges allow one value more: as many as a scan of 360 beams has with odometry and
+  /// pose. They take as much memory as such a value, so a body still takes little more than its
+  /// ranges.
+  static constexpr std::size_t kRangesPerValue = 32;
 
   explicit DocumentBuilder(const RequestLimits& limits) : limits_(limits) {}
 
@@ -98,6 +102,7 @@ class DocumentBuilder {
   std::vector<std::string> keys_;         ///< Of `open_`, the key read last; empty in arrays.
   nlohmann::json* last_ = nullptr;        ///< The value added last.
   std::size_t values_ = 0;
+  std::size_t max_values_ = kMaxValues;
   Aside aside_ = Aside::kNothing;
   std::size_t aside_depth_ = 0;  ///< 1 in the array itself, more in containers within.
   std::optional<Problem> problem_;

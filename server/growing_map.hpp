@@ -45,16 +45,14 @@ struct MapLibrary::GrowingMap {
 [[nodiscard]] Result<MapContent> content_of(const Mapper& mapper, const MapperParams& params,
                                             bool drifts, const MapLibrary::Progress& progress);
 
-/// kConflict, `field` "revision", when the map is not at the expected one; 0: there is no map.
-[[nodiscard]] inline Result<void> check_revision(std::uint64_t revision,
-                                                 const ExpectedRevision& expected) {
-  if (!expected || *expected == revision) return {};
-  const auto text = [](std::uint64_t number) {
-    return number == 0 ? std::string("no map") : "revision " + std::to_string(number);
-  };
-  return Error{ErrorCode::kConflict,
-               "the map was changed: there is " + text(revision) + ", expected " + text(*expected),
-               "revision"};
+/// As storage::check_known(), for a map that may be any.
+[[nodiscard]] inline Result<void> check_expected(const storage::MapInfo& map,
+                                                 const ExpectedMap& expected) {
+  return expected ? storage::check_known(map, *expected) : Result<void>();
+}
+
+[[nodiscard]] inline storage::KnownMap known(const storage::MapInfo& map) {
+  return {.revision = map.revision, .id = map.id};
 }
 
 /// Whether another process came in between, so that trying again on its result makes sense.

@@ -1,6 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "api/job_codec.hpp"
+#include "server/job_runners.hpp"
+#include "server/map_entries.hpp"
 #include "server/page_query.hpp"
 #include "server/responses.hpp"
 #include "server/routes.hpp"
@@ -76,6 +78,14 @@ Response accepted_job(const Request& request, const JobRecord& job) {
   return response;
 }
 
+/// Of a map's entry as text: the map itself may have changed by now.
+std::string tag_of_entry(const std::string& text) {
+  const auto entry = api::Json::parse(text);
+  return map_entity_tag(entry.at("revision").get<std::uint64_t>(),
+                        entry.at("digest").get<std::string>(),
+                        entry.at("description").get<std::string>());
+}
+
 /// The answer that the request would have got without a job, if the job is finished by now.
 Response response_of_finished(const Services& services, const Request& request,
                               const JobRecord& job, bool makes_a_map) {
@@ -90,19 +100,20 @@ Response response_of_finished(const Services& services, const Request& request,
   if (!answer) return error_response(request, answer.error());
   Response response = text_response(request, makes_a_map ? 201 : 200, *answer);
   if (makes_a_map) response.headers.emplace_back("Location", "/v1/maps/" + job.map);
+  if (job.kind == kRestoreJob) response.headers.emplace_back("ETag", tag_of_entry(*answer));
   return response;
 }
 
 }  // namespace
 
 Response accept_job(const Services& services, const Request& request, const char* kind,
-                    const JobInputView& input, const std::optional<storage::KnownMap>& known_map) {
+                    const JobInputView& input, const storage::JobMap& map) {
   std::map<std::string, storage::BlobView> blobs;
   for (const auto& [name, content] : input) {
     blobs.emplace(name, storage::BlobView(reinterpret_cast<const std::uint8_t*>(content.data()),
                                           content.size()));
   }
-  const auto job = services.jobs->submit(kind, request.captures[0], blobs, known_map);
+  const auto job = services.jobs->submit(kind, request.captures[0], blobs, map);
   if (!job) return error_response(request, job.error());
   if (!*job) {
     return over_quota(services, "too_many_jobs",
@@ -113,7 +124,7 @@ Response accept_job(const Services& services, const Request& request, const char
   if (!wait) return accepted_job(request, **job);
   const auto waited = services.jobs->wait_for((*job)->id, *wait);
   if (!waited) return error_response(request, waited.error());
-  const bool makes_a_map = known_map && known_map->revision == 0;
+  const bool makes_a_map = map.revision == 0;
   return response_of_finished(services, request, *waited, makes_a_map);
 }
 

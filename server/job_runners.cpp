@@ -36,7 +36,7 @@ Result<std::string> import_floor_map(MapLibrary& maps, const JobTask& task) {
   if (yaml == task.input.end() || image == task.input.end()) return incomplete_input();
   const auto report =
       maps.put_floor_map(task.map, text_in(yaml->second), std::as_bytes(std::span(image->second)),
-                         task.progress, task.map_revision);
+                         task.progress, task.known_map);
   if (!report) return report.error();
   return api::encode(api::render_floor_map(entry_of(*report)), api::BodyFormat::kJson);
 }
@@ -62,16 +62,16 @@ Result<std::string> map_run(MapLibrary& maps, const api::RequestLimits& limits,
   const auto& scans = std::get<api::MapScansRequest>(parsed);
   const auto report =
       scans.unposed_scans.empty()
-          ? maps.add_run(task.map, scans.scans, task.progress, task.map_revision)
-          : maps.add_run(task.map, scans.unposed_scans, task.progress, task.map_revision);
+          ? maps.add_run(task.map, scans.scans, task.progress, task.known_map)
+          : maps.add_run(task.map, scans.unposed_scans, task.progress, task.known_map);
   if (!report) return report.error();
   return api::encode(api::render_map_batch(entry_of(*report)), api::BodyFormat::kJson);
 }
 
-/// The map that an earlier attempt made of the archive before its server died; else nothing.
+/// The map that an earlier attempt made of the archive before its server ended; else nothing.
 std::optional<storage::MapInfo> restored_before(MapLibrary& maps, const JobTask& task,
                                                 const storage::Blob& bytes) {
-  if (task.attempts <= 1) return std::nullopt;
+  if (task.known_map.revision > 0) return std::nullopt;  // It was there before the job.
   const auto archive = storage::decode_archive(bytes);
   auto info = maps.find(task.map);
   const bool is_same =
@@ -96,6 +96,7 @@ Result<std::string> report_on_map(MapLibrary& maps, ReportService& reports, cons
       return Error{ErrorCode::kUnavailable, "the report was given up", ""};
     const auto info = maps.find(task.map);
     if (!info) return info.error();
+    if (task.known_map.id != 0 && info->id != task.known_map.id) return lost_map(task.map);
     if (!info->bounds) return map_without_grid();
     const auto view = reports.get(*info, kLookInterval, ReportWaiter::kJob);
     if (!view) return view.error();

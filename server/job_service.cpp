@@ -40,6 +40,11 @@ Error too_many_attempts() {
 
 }  // namespace
 
+Error lost_map(std::string_view name) {
+  return {ErrorCode::kConflict,
+          "the map " + std::string(name) + " that the job was given for was deleted", ""};
+}
+
 JobService::JobService(std::shared_ptr<StoreAccess> stores, JobRunners runners,
                        JobServiceSettings settings)
     : stores_(std::move(stores)),
@@ -57,6 +62,7 @@ JobService::~JobService() {
 
 void JobService::close() {
   const std::lock_guard lock(mutex_);
+  if (!closing_) closed_ = Clock::now();
   closing_ = true;
   changed_.notify_all();
 }
@@ -64,7 +70,7 @@ void JobService::close() {
 Result<std::optional<JobRecord>> JobService::submit(
     std::string_view kind, std::string_view map,
     const std::map<std::string, storage::BlobView>& input,
-    const std::optional<storage::KnownMap>& known_map) {
+    const std::optional<storage::JobMap>& known_map) {
   const storage::NewJob job{.id = random_id(),
                             .kind = std::string(kind),
                             .map = std::string(map),
@@ -145,6 +151,8 @@ void JobService::work() {
     // One that failed before is not tried again at once.
     changed_.wait_for(lock, settings_.heartbeat, [&] { return closing_ || has_news_; });
   }
+  worker_ended_ = true;
+  changed_.notify_all();
 }
 
 std::optional<JobRecord> JobService::claim() {
@@ -207,12 +215,11 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   if (job.attempts > kMaxAttempts) return too_many_attempts();
   auto input = stores_->with_jobs([&](JobStore& jobs) { return jobs.input(job.number); });
   if (!input) return input.error();
-  const auto revision = map_revision(job, *input);
-  if (!revision) return revision.error();
+  const auto known = known_map(job, *input);
+  if (!known) return known.error();
   try {
     return runner->second({.map = job.map,
-                           .map_revision = *revision,
-                           .attempts = job.attempts,
+                           .known_map = *known,
                            .input = std::move(*input),
                            .progress = [this](std::string_view stage, double share) {
                              return note_progress(stage, share);
@@ -222,16 +229,21 @@ Result<std::string> JobService::answer_of(const JobRecord& job) {
   }
 }
 
-Result<std::uint64_t> JobService::map_revision(const JobRecord& job,
-                                               const storage::JobInput& input) {
-  if (const auto known = storage::map_revision(input)) return *known;
-  const auto info = stores_->with_maps([&](storage::MapStore& maps) { return maps.find(job.map); });
-  if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
-  const std::uint64_t revision = info ? info->revision : 0;
-  const auto kept = stores_->with_jobs(
-      [&](JobStore& jobs) { return jobs.keep_map_revision(job.number, revision); });
+Result<storage::KnownMap> JobService::known_map(const JobRecord& job,
+                                                const storage::JobInput& input) {
+  const std::int64_t id = storage::map_id(input);
+  const auto found =
+      stores_->with_maps([&](storage::MapStore& maps) { return maps.find(job.map); });
+  if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
+  const storage::MapInfo map = found ? *found : storage::MapInfo{};
+  if (id != 0 && map.id != id) return lost_map(job.map);
+  if (const auto revision = storage::map_revision(input))
+    return storage::KnownMap{.revision = *revision, .id = id};
+  const auto kept = stores_->with_jobs([&](JobStore& jobs) {
+    return jobs.keep_map(job.number, map.revision, id == 0 ? map.id : 0);
+  });
   if (!kept) return kept.error();
-  return revision;
+  return storage::KnownMap{.revision = map.revision, .id = map.id};
 }
 
 bool JobService::note_progress(std::string_view stage, double share) {
@@ -288,16 +300,22 @@ void JobService::finish(const JobRecord& job, const JobOutcome& outcome) {
                     {"status", to_string(outcome.status)}});
 }
 
+bool JobService::put_back(std::int64_t job) {
+  return stores_->with_job_leases([&](JobStore& jobs) { return jobs.release(job, holder_, false); })
+      .ok();
+}
+
 void JobService::keep_lease() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait_for(lock, settings_.heartbeat,
-                      [&] { return (closing_ && !current_) || must_renew_; });
+    changed_.wait_for(lock, settings_.heartbeat, [&] { return worker_ended_ || must_renew_; });
     must_renew_ = false;
-    if (closing_ && !current_) return;
+    if (worker_ended_) return;  // Before, it may have claimed a job that is not in work yet.
     if (!current_) continue;
     const Current current = *current_;
+    const bool is_late = closing_ && Clock::now() - closed_ >= settings_.patience;
     lock.unlock();
+    if (is_late && put_back(current.number)) return;
     const auto lease = stores_->with_job_leases([&](JobStore& jobs) {
       return jobs.renew(current.number, holder_, current.stage, current.progress);
     });

@@ -20,17 +20,20 @@
 #include "server/store_access.hpp"
 #include "server/work_progress.hpp"
 #include "storage/job_store.hpp"
+#include "storage/known_map.hpp"
 
 namespace cornerfix::server {
 
 /// What the work of a job gets.
 struct JobTask {
   std::string map;
-  std::uint64_t map_revision = 0;  ///< That may be changed; 0: there must be no such map.
-  std::uint64_t attempts = 1;      ///< Above 1: it may have been done before a server died.
+  storage::KnownMap known_map;  ///< That may be changed.
   storage::JobInput input;
   WorkProgress progress;
 };
+
+/// kConflict: the map that a job was given for was deleted.
+[[nodiscard]] Error lost_map(std::string_view name);
 
 /// Does the work of one kind of job and returns its answer, a JSON document. It may be called again
 /// for a job that another server began: the same input must lead to the same state.
@@ -46,6 +49,9 @@ struct JobServiceSettings {
   /// A running job whose heartbeat stands still for so long is taken over.
   std::chrono::milliseconds lease{15'000};
   std::chrono::milliseconds heartbeat{1'000};  ///< Also between looks for new jobs.
+  /// After close() the job in work may take so long to end. Then it goes back into the queue, and
+  /// what its thread still does is of no use.
+  std::chrono::milliseconds patience{500};
 };
 
 /// One thread of low priority does the jobs of the database, one after the other; other servers on
@@ -65,7 +71,7 @@ class JobService {
   [[nodiscard]] Result<std::optional<storage::JobRecord>> submit(
       std::string_view kind, std::string_view map,
       const std::map<std::string, storage::BlobView>& input,
-      const std::optional<storage::KnownMap>& known_map = {});
+      const std::optional<storage::JobMap>& known_map = {});
   [[nodiscard]] Result<storage::JobRecord> find(std::string_view id);
   [[nodiscard]] Result<std::vector<storage::JobRecord>> list(const storage::JobPage& page);
   [[nodiscard]] Result<std::string> answer(std::string_view id);
@@ -75,7 +81,8 @@ class JobService {
   [[nodiscard]] Result<storage::JobRecord> wait_for(std::string_view id, std::chrono::seconds wait);
   [[nodiscard]] Result<std::vector<storage::JobCount>> counts();
 
-  /// No job is begun any more. The one in work is given up and goes back into the queue.
+  /// No job is begun any more. The one in work is given up and goes back into the queue, also when
+  /// its thread does not end.
   void close();
 
  private:
@@ -97,6 +104,8 @@ class JobService {
 
   void work();
   void keep_lease();
+  /// Whether it is done: the database may be busy.
+  [[nodiscard]] bool put_back(std::int64_t job);
   [[nodiscard]] std::optional<storage::JobRecord> claim();
   void remove_expired();
   [[nodiscard]] std::vector<storage::JobLease> expired_leases(
@@ -106,8 +115,8 @@ class JobService {
   [[nodiscard]] bool note_progress(std::string_view stage, double share);
   void end(const storage::JobRecord& job, const Result<std::string>& answer);
   void finish(const storage::JobRecord& job, const storage::JobOutcome& outcome);
-  [[nodiscard]] Result<std::uint64_t> map_revision(const storage::JobRecord& job,
-                                                   const storage::JobInput& input);
+  [[nodiscard]] Result<storage::KnownMap> known_map(const storage::JobRecord& job,
+                                                    const storage::JobInput& input);
   [[nodiscard]] Result<storage::JobRecord> wait_until(std::string_view id,
                                                       Clock::time_point deadline);
 
@@ -126,6 +135,8 @@ class JobService {
   std::uint64_t ended_ = 0;  ///< Jobs that ended here.
   bool must_renew_ = false;  ///< A job was cancelled here: it may be the one in work.
   bool closing_ = false;
+  bool worker_ended_ = false;
+  Clock::time_point closed_{};  ///< When `closing_` was set.
   std::thread keeper_;
   std::thread worker_;
 };

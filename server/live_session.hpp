@@ -117,6 +117,7 @@ struct LiveSession : std::enable_shared_from_this<LiveSession> {
     return is_ranked ? localizer->map_keys() : map_ids;
   }
 
+  [[nodiscard]] bool is_tracking() const { return status == Status::kLocalized; }
   /// Whether the store has all that is needed to go on without the localizer.
   [[nodiscard]] bool can_release_localizer() const {
     return localizer && is_current && !unstored_since && !is_searching;

@@ -1,5 +1,8 @@
 #include "server/map_entries.hpp"
 
+#include <fmt/format.h>
+
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "api/revision_codec.hpp"
@@ -50,6 +53,12 @@ api::MapBatchResult entry_of(const MapGrowthReport& report) {
           .key_frames = report.key_frames,
           .features = report.features,
           .revision = report.revision};
+}
+
+std::string map_entity_tag(std::uint64_t revision, std::string_view digest,
+                           std::string_view description) {
+  return fmt::format("\"{}-{}-{:x}\"", revision, digest,
+                     std::hash<std::string_view>{}(description));
 }
 
 Error map_without_grid() {

@@ -1,6 +1,8 @@
 /// \file  What the services know of a map, as entries of documents.
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,6 +20,10 @@ namespace cornerfix::server {
 [[nodiscard]] api::FloorMapResult entry_of(const FloorMapReport& report);
 
 [[nodiscard]] api::MapBatchResult entry_of(const MapGrowthReport& report);
+
+/// Names a map as it is: the strong entity tag of its entry.
+[[nodiscard]] std::string map_entity_tag(std::uint64_t revision, std::string_view digest,
+                                         std::string_view description);
 
 /// For what needs the grid of a map that is empty.
 [[nodiscard]] Error map_without_grid();

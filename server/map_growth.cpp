@@ -82,30 +82,30 @@ struct MapLibrary::GrownMap {
 };
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const PosedScan> scans,
-                                         const ExpectedRevision& expected) {
+                                         const ExpectedMap& expected) {
   return retrying([&] { return grow_once(name, scans, expected); });
 }
 
 Result<MapGrowthReport> MapLibrary::grow(std::string_view name, std::span<const RobotScan> scans,
-                                         const ExpectedRevision& expected) {
+                                         const ExpectedMap& expected) {
   return retrying([&] { return grow_once(name, scans, expected); });
 }
 
 Result<MapGrowthReport> MapLibrary::add_run(std::string_view name, std::span<const PosedScan> scans,
                                             const WorkProgress& progress,
-                                            const ExpectedRevision& expected) {
+                                            const ExpectedMap& expected) {
   return retrying([&] { return add_run_once(name, scans, progress, expected); });
 }
 
 Result<MapGrowthReport> MapLibrary::add_run(std::string_view name, std::span<const RobotScan> scans,
                                             const WorkProgress& progress,
-                                            const ExpectedRevision& expected) {
+                                            const ExpectedMap& expected) {
   return retrying([&] { return add_run_once(name, scans, progress, expected); });
 }
 
 template <typename Scan>
 Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<const Scan> scans,
-                                              const ExpectedRevision& expected) {
+                                              const ExpectedMap& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
@@ -119,7 +119,7 @@ Result<MapGrowthReport> MapLibrary::grow_once(std::string_view name, std::span<c
 template <typename Scan>
 Result<MapGrowthReport> MapLibrary::add_run_once(std::string_view name, std::span<const Scan> scans,
                                                  const WorkProgress& progress,
-                                                 const ExpectedRevision& expected) {
+                                                 const ExpectedMap& expected) {
   const auto found = find(name);
   if (!found) return found.error();
   GrowingMap own(found->id);
@@ -129,7 +129,7 @@ Result<MapGrowthReport> MapLibrary::add_run_once(std::string_view name, std::spa
 template <typename Scan>
 Result<MapGrowthReport> MapLibrary::grow_by(GrowingMap& growing, const MapInfo& info,
                                             std::span<const Scan> scans,
-                                            const ExpectedRevision& expected,
+                                            const ExpectedMap& expected,
                                             const WorkProgress& progress) {
   constexpr bool kHavePoses = std::is_same_v<Scan, PosedScan>;
   if (auto error = mixed(info, kHavePoses)) return *error;
@@ -142,8 +142,7 @@ Result<MapGrowthReport> MapLibrary::grow_by(GrowingMap& growing, const MapInfo& 
                          .features = info.feature_count,
                          .revision = info.revision};
   if (fresh->empty()) return report;
-  if (const auto checked = check_revision(info.revision, expected); !checked)
-    return checked.error();
+  if (const auto checked = check_expected(info, expected); !checked) return checked.error();
   if constexpr (!kHavePoses) {
     if (auto error = too_late(*fresh, scans, *growing.mapper)) return *error;
   }
@@ -166,17 +165,22 @@ Result<MapGrowthReport> MapLibrary::grow_by(GrowingMap& growing, const MapInfo& 
   return report;
 }
 
-Result<MapInfo> MapLibrary::store_growth(const GrownMap& grown, const MapInfo& before,
-                                         bool drifts) {
+Result<MapInfo> MapLibrary::store_growth(const GrownMap& grown, const MapInfo& before, bool drifts,
+                                         const MapContent* content) {
+  MapSketch sketch;
+  if (content != nullptr) sketch = sketch_of(content->features, content->grid);
   const storage::MapGrowth growth{.stamps = grown.new_stamps,
                                   .new_key_frames = grown.new_key_frames,
                                   .outline = outline_of(grown.mapper),
-                                  .drifts = drifts};
+                                  .drifts = drifts,
+                                  .content = content,
+                                  .sketch = content != nullptr ? &sketch : nullptr};
   return stores_->with_maps(
       [&](MapStore& maps) { return maps.grow(before.id, before.revision, growth, now_()); });
 }
 
-/// The content is made first, so that a run that is given up has changed nothing.
+/// The content is made first, so that a run that is given up has changed nothing. It is stored in
+/// one transaction with the scans: a repetition of the run finds nothing left to do.
 Result<MapInfo> MapLibrary::store_with_content(const GrownMap& grown, const MapInfo& before,
                                                bool drifts, const WorkProgress& progress) {
   const auto content =
@@ -186,11 +190,7 @@ Result<MapInfo> MapLibrary::store_with_content(const GrownMap& grown, const MapI
       });
   if (!content) return content.error();
   if (!progress("storing", kGrowthStoringBegins)) return run_given_up();
-  auto info = store_growth(grown, before, drifts);
-  if (!info) return info;
-  if (auto stored = store_content(*info, *content); !stored) return stored.error();
-  info->feature_count = content->features.size();
-  return info;
+  return store_growth(grown, before, drifts, &*content);
 }
 
 }  // namespace cornerfix::server

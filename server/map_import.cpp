@@ -66,7 +66,7 @@ GridMapProgress grid_map_progress(const WorkProgress& progress) {
 Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::string_view yaml,
                                                  std::span<const std::byte> image,
                                                  const WorkProgress& progress,
-                                                 const ExpectedRevision& expected) {
+                                                 const ExpectedMap& expected) {
   if (progress && !progress("reading", 0.0)) return import_given_up();
   if (yaml.size() > kMaxYamlBytes) {
     return Error{ErrorCode::kTooLarge,
@@ -88,18 +88,18 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
 Result<FloorMapReport> MapLibrary::put_floor_map_once(std::string_view name,
                                                       const OccupancyGrid& floor_map,
                                                       const WorkProgress& progress,
-                                                      const ExpectedRevision& expected) {
+                                                      const ExpectedMap& expected) {
   auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
   if (!found) {
-    if (const auto checked = check_revision(0, expected); !checked) return checked.error();
+    if (const auto checked = check_expected(MapInfo{}, expected); !checked) return checked.error();
     return make_from_floor_map(name, floor_map, MapInfo{}, progress);
   }
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
-  const auto checked = check_revision(found->revision, expected);
+  const auto checked = check_expected(*found, expected);
   if (!checked && !is_made_from(*found, floor_map)) return checked.error();
   return make_from_floor_map(name, floor_map, *found, progress);
 }
@@ -111,9 +111,8 @@ Result<FloorMapReport> MapLibrary::make_from_floor_map(std::string_view name,
   auto made = map_from_grid(floor_map, mapper_params(before), grid_map_progress(progress));
   if (!made) return at_part(made.error());
   if (progress && !progress("storing", kStoringBegin)) return import_given_up();
-  const storage::FloorMap stored{.grid = floor_map,
-                                 .expected_revision = before.revision,
-                                 .outline = outline_of(made->content)};
+  const storage::FloorMap stored{
+      .grid = floor_map, .known = known(before), .outline = outline_of(made->content)};
   auto info =
       stores_->with_maps([&](MapStore& maps) { return maps.put_floor_map(name, stored, now_()); });
   if (!info) return info.error();

@@ -87,28 +87,27 @@ Result<std::size_t> MapLibrary::count() {
 }
 
 Result<bool> MapLibrary::put(std::string_view name, const api::PutMapRequest& request,
-                             const ExpectedRevision& expected) {
+                             const ExpectedMap& expected) {
   return retrying([&] { return put_once(name, request, expected); });
 }
 
 Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapRequest& request,
-                                  const ExpectedRevision& expected) {
+                                  const ExpectedMap& expected) {
   if (!request.parameters_json && !expected) return store_entry(name, request);
   auto found = find(name);
   if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
   if (!found) {
-    if (const auto checked = check_revision(0, expected); !checked) return checked.error();
-    return store_entry(name, request, storage::MapRemake{.expected_revision = 0});
+    if (const auto checked = check_expected(MapInfo{}, expected); !checked) return checked.error();
+    return store_entry(name, request, storage::MapRemake{});
   }
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
-  if (const auto checked = check_revision(found->revision, expected); !checked)
-    return checked.error();
+  if (const auto checked = check_expected(*found, expected); !checked) return checked.error();
   if (!request.parameters_json) {
     return store_entry(name, request,
-                       storage::MapRemake{found->revision, {found->feature_count, found->bounds}});
+                       storage::MapRemake{*expected, {found->feature_count, found->bounds}});
   }
   const auto merged = api::merged_parameters(found->parameters_json, *request.parameters_json);
   if (!merged) return merged.error();
@@ -116,8 +115,9 @@ Result<bool> MapLibrary::put_once(std::string_view name, const api::PutMapReques
   remade.parameters_json = *merged;
   const auto outline = outline_with(remade);
   if (!outline) return outline.error();
-  return store_entry(name, {request.description, request.lidar, *merged},
-                     storage::MapRemake{.expected_revision = found->revision, .outline = *outline});
+  return store_entry(
+      name, {request.description, request.lidar, *merged},
+      storage::MapRemake{.known = expected.value_or(known(*found)), .outline = *outline});
 }
 
 Result<bool> MapLibrary::store_entry(std::string_view name, const api::PutMapRequest& request,
@@ -146,16 +146,11 @@ Result<storage::MapOutline> MapLibrary::outline_with(const MapInfo& info) {
   return outline_of(*mapper);
 }
 
-Result<void> MapLibrary::remove(std::string_view name, const ExpectedRevision& expected) {
+Result<void> MapLibrary::remove(std::string_view name, const ExpectedMap& expected) {
   return retrying([&] { return remove_once(name, expected); });
 }
 
-Result<void> MapLibrary::remove_once(std::string_view name, const ExpectedRevision& expected) {
-  if (expected) {
-    const auto found = find(name);
-    if (!found) return found.error();
-    if (auto checked = check_revision(found->revision, expected); !checked) return checked;
-  }
+Result<void> MapLibrary::remove_once(std::string_view name, const ExpectedMap& expected) {
   return stores_->with_maps([&](MapStore& maps) { return maps.remove(name, expected); });
 }
 
@@ -175,21 +170,20 @@ Result<std::optional<api::Lidar>> MapLibrary::lidar(const MapInfo& info) {
 
 Result<MapInfo> MapLibrary::set_trajectory(std::string_view name,
                                            std::span<const api::StampedPose> poses,
-                                           const ExpectedRevision& expected) {
+                                           const ExpectedMap& expected) {
   return retrying([&] { return set_trajectory_once(name, poses, expected); });
 }
 
 Result<MapInfo> MapLibrary::set_trajectory_once(std::string_view name,
                                                 std::span<const api::StampedPose> poses,
-                                                const ExpectedRevision& expected) {
+                                                const ExpectedMap& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found) return found.error();
-  if (const auto checked = check_revision(found->revision, expected); !checked)
-    return checked.error();
+  if (const auto checked = check_expected(*found, expected); !checked) return checked.error();
   if (found->has_floor_map) return no_key_frames();
   auto key_frames = stores_->with_maps([&](MapStore& maps) { return maps.key_frames(found->id); });
   if (!key_frames) return key_frames.error();

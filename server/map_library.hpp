@@ -22,6 +22,7 @@
 #include "server/map_cache.hpp"
 #include "server/store_access.hpp"
 #include "server/work_progress.hpp"
+#include "storage/known_map.hpp"
 
 namespace cornerfix::server {
 
@@ -49,9 +50,9 @@ struct FloorMapReport {
   std::vector<std::string> warnings;  ///< What the occupancy map's owner should know.
 };
 
-/// Of the map that a caller wants to change, 0 for none; nothing: any. Where the map is not at that
-/// revision the change is kConflict, `field` "revision", unless it has been made already.
-using ExpectedRevision = std::optional<std::uint64_t>;
+/// What a caller wants to change; nothing: any map. Where the map is another one the change is
+/// kConflict, `field` "revision", unless it has been made already.
+using ExpectedMap = std::optional<storage::KnownMap>;
 
 /// What is known of a revision.
 struct MapVersion {
@@ -77,8 +78,8 @@ class MapLibrary {
   /// True when the map was created. Parameters join those that the map has; kInvalidArgument when
   /// its grid would become too large with them.
   [[nodiscard]] Result<bool> put(std::string_view name, const api::PutMapRequest& request,
-                                 const ExpectedRevision& expected = {});
-  [[nodiscard]] Result<void> remove(std::string_view name, const ExpectedRevision& expected = {});
+                                 const ExpectedMap& expected = {});
+  [[nodiscard]] Result<void> remove(std::string_view name, const ExpectedMap& expected = {});
 
   /// The map's lidar for simulated scans; without `beams` of its own it has as many as the map's
   /// first scan of it. Nothing when the map was not given any.
@@ -87,25 +88,25 @@ class MapLibrary {
   /// kConflict when the map was made from scans without poses.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const PosedScan> scans,
-                                             const ExpectedRevision& expected = {});
+                                             const ExpectedMap& expected = {});
   /// Scans of a run without poses, in its order: lidar odometry gives them, and load() takes
   /// their drift away. After a restart the run goes on at its last keyframe. kConflict when the
   /// map was made from scans at poses; kInvalidArgument when a new scan is not later than the
   /// keyframes.
   [[nodiscard]] Result<MapGrowthReport> grow(std::string_view name,
                                              std::span<const RobotScan> scans,
-                                             const ExpectedRevision& expected = {});
+                                             const ExpectedMap& expected = {});
 
   /// The same with a whole run, whose map is made and stored with it: nothing is left for load().
   /// kUnavailable when `progress` gave up; then nothing has changed.
   [[nodiscard]] Result<MapGrowthReport> add_run(std::string_view name,
                                                 std::span<const PosedScan> scans,
                                                 const WorkProgress& progress,
-                                                const ExpectedRevision& expected = {});
+                                                const ExpectedMap& expected = {});
   [[nodiscard]] Result<MapGrowthReport> add_run(std::string_view name,
                                                 std::span<const RobotScan> scans,
                                                 const WorkProgress& progress,
-                                                const ExpectedRevision& expected = {});
+                                                const ExpectedMap& expected = {});
 
   /// Makes the map from a ROS occupancy map alone; a map made so before is made anew, in its frame
   /// and with its parameters. kConflict for a map that holds scans, kTooLarge for a long yaml.
@@ -113,7 +114,7 @@ class MapLibrary {
   [[nodiscard]] Result<FloorMapReport> put_floor_map(std::string_view name, std::string_view yaml,
                                                      std::span<const std::byte> image,
                                                      const WorkProgress& progress = {},
-                                                     const ExpectedRevision& expected = {});
+                                                     const ExpectedMap& expected = {});
 
   /// The whole map as one SQLite file.
   [[nodiscard]] Result<std::vector<std::uint8_t>> archive(std::string_view name);
@@ -134,7 +135,7 @@ class MapLibrary {
   /// The content, lidar and parameters of a kept revision become those of a new one; the present
   /// revision stays as it is. kNotFound, `field` "revision", when it is not kept.
   [[nodiscard]] Result<storage::MapInfo> roll_back(std::string_view name, std::uint64_t revision,
-                                                   const ExpectedRevision& expected = {});
+                                                   const ExpectedMap& expected = {});
 
   /// The map's grid as it is to be shown: the occupancy map as it was put, or what scans made.
   /// Empty when the map has neither.
@@ -145,7 +146,7 @@ class MapLibrary {
   /// its grid can hold.
   [[nodiscard]] Result<storage::MapInfo> set_trajectory(std::string_view name,
                                                         std::span<const api::StampedPose> poses,
-                                                        const ExpectedRevision& expected = {});
+                                                        const ExpectedMap& expected = {});
 
   /// The newest revision of a map, from memory, from the store, or made again and then stored. The
   /// trajectory of a map that drifts is then optimised, with calls of `progress`.
@@ -163,6 +164,12 @@ class MapLibrary {
   [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
   /// As MapCache::make_room().
   bool make_room() { return cache_.make_room(); }
+  /// As MapCache::make_room_for().
+  bool make_room_for(std::size_t bytes) { return cache_.make_room_for(bytes); }
+  /// As MapCache::bytes_to_load().
+  [[nodiscard]] std::size_t bytes_to_load(const storage::MapInfo& info) {
+    return cache_.bytes_to_load({info.id, info.revision});
+  }
   /// What this revision needed in memory when it was last loaded; 0 when that is not known.
   [[nodiscard]] std::size_t known_bytes(const storage::MapInfo& info) {
     return cache_.known_bytes({info.id, info.revision});
@@ -178,31 +185,33 @@ class MapLibrary {
   template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_once(std::string_view name,
                                                   std::span<const Scan> scans,
-                                                  const ExpectedRevision& expected);
+                                                  const ExpectedMap& expected);
   template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> add_run_once(std::string_view name,
                                                      std::span<const Scan> scans,
                                                      const WorkProgress& progress,
-                                                     const ExpectedRevision& expected);
+                                                     const ExpectedMap& expected);
   /// With `progress` the run is over, and its content is stored with it.
   template <typename Scan>
   [[nodiscard]] Result<MapGrowthReport> grow_by(GrowingMap& growing, const storage::MapInfo& info,
                                                 std::span<const Scan> scans,
-                                                const ExpectedRevision& expected,
+                                                const ExpectedMap& expected,
                                                 const WorkProgress& progress);
+  /// \param content  Stored with the growth, with its sketch; null where that is done later.
   [[nodiscard]] Result<storage::MapInfo> store_growth(const GrownMap& grown,
-                                                      const storage::MapInfo& before, bool drifts);
+                                                      const storage::MapInfo& before, bool drifts,
+                                                      const MapContent* content = nullptr);
   [[nodiscard]] Result<storage::MapInfo> store_with_content(const GrownMap& grown,
                                                             const storage::MapInfo& before,
                                                             bool drifts,
                                                             const WorkProgress& progress);
   [[nodiscard]] Result<bool> put_once(std::string_view name, const api::PutMapRequest& request,
-                                      const ExpectedRevision& expected);
-  [[nodiscard]] Result<void> remove_once(std::string_view name, const ExpectedRevision& expected);
+                                      const ExpectedMap& expected);
+  [[nodiscard]] Result<void> remove_once(std::string_view name, const ExpectedMap& expected);
   [[nodiscard]] Result<FloorMapReport> put_floor_map_once(std::string_view name,
                                                           const OccupancyGrid& floor_map,
                                                           const WorkProgress& progress,
-                                                          const ExpectedRevision& expected);
+                                                          const ExpectedMap& expected);
   /// \param before  The entry as it is; revision 0 when there is none.
   [[nodiscard]] Result<FloorMapReport> make_from_floor_map(std::string_view name,
                                                            const OccupancyGrid& floor_map,
@@ -212,11 +221,10 @@ class MapLibrary {
                                          const std::optional<storage::MapRemake>& remake = {});
   [[nodiscard]] Result<storage::MapOutline> outline_with(const storage::MapInfo& info);
   [[nodiscard]] Result<storage::MapInfo> set_trajectory_once(
-      std::string_view name, std::span<const api::StampedPose> poses,
-      const ExpectedRevision& expected);
+      std::string_view name, std::span<const api::StampedPose> poses, const ExpectedMap& expected);
   [[nodiscard]] Result<storage::MapInfo> roll_back_once(std::string_view name,
                                                         std::uint64_t revision,
-                                                        const ExpectedRevision& expected);
+                                                        const ExpectedMap& expected);
   [[nodiscard]] Result<MapContent> content_of(GrowingMap& growing, const storage::MapInfo& info,
                                               const Progress& progress);
   /// With its sketch.

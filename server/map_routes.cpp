@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <charconv>
 #include <chrono>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -20,6 +17,7 @@ namespace cornerfix::server {
 namespace {
 
 using api::Json;
+using storage::JobMap;
 using storage::KnownMap;
 using storage::MapInfo;
 
@@ -74,14 +72,16 @@ Response with_entity_tag(const Request& request, Response response, const MapInf
 
 /// Names what a change of the map is to start from.
 std::string entity_tag_of(const MapInfo& info) {
-  return fmt::format("\"{}-{}-{:x}\"", info.revision, info.digest,
-                     std::hash<std::string>{}(info.description));
+  return map_entity_tag(info.revision, info.digest, info.description);
 }
+
+/// Names the content of a map alone.
+std::string digest_tag_of(const MapInfo& info) { return "\"" + info.digest + "\""; }
 
 /// Whether an If-Match header names the map as it is, by its tag or its digest.
 bool is_as_required(std::string_view if_match, const MapInfo& info) {
   return requires_entity_tag(if_match, entity_tag_of(info)) ||
-         requires_entity_tag(if_match, "\"" + info.digest + "\"");
+         requires_entity_tag(if_match, digest_tag_of(info));
 }
 
 Response entry_response(const Request& request, int status, const MapInfo& info) {
@@ -89,6 +89,8 @@ Response entry_response(const Request& request, int status, const MapInfo& info)
   response.headers.emplace_back("ETag", entity_tag_of(info));
   return response;
 }
+
+JobMap job_map(const MapInfo& info) { return {.revision = info.revision, .id = info.id}; }
 
 /// A change that was asked for with If-Match and came too late is 412 (RFC 9110, 13.1.1).
 Response change_error(const Request& request, const Error& error) {
@@ -127,7 +129,7 @@ class MapRoutes {
     const auto parsed = api::parse_put_map(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     const auto created = maps().put(name, std::get<api::PutMapRequest>(parsed), *expected);
     if (!created) return change_error(request, created.error());
@@ -147,7 +149,7 @@ class MapRoutes {
   Response remove(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     const auto removed = maps().remove(info->name, *expected);
     if (!removed) return change_error(request, removed.error());
@@ -166,7 +168,7 @@ class MapRoutes {
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     const auto& batch = std::get<api::MapScansRequest>(parsed);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     if (is_run) {
       return accept_change_job(
@@ -185,7 +187,7 @@ class MapRoutes {
     if (const auto info = maps().find(name); !info) return error_response(request, info.error());
     const auto parsed = api::parse_trajectory(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     const auto moved =
         maps().set_trajectory(name, std::get<api::TrajectoryRequest>(parsed).poses, *expected);
@@ -206,7 +208,7 @@ class MapRoutes {
     }
     if (!wrong.empty()) return unusable_form(std::move(wrong));
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     if (request.preference.respond_async) {
       return accept_change_job(
@@ -242,7 +244,7 @@ class MapRoutes {
     const std::string& name = request.captures[0];
     if (!api::is_valid_name(name)) return invalid_map_name();
     if (auto refusal = refuse_new_map(request)) return std::move(*refusal);
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     if (request.preference.respond_async)
       return accept_change_job(request, kRestoreJob, {{"archive", request.body}}, *expected);
@@ -266,7 +268,7 @@ class MapRoutes {
     const auto parsed = api::parse_roll_back(request.body, request.body_format);
     if (const auto* problem = std::get_if<api::Problem>(&parsed)) return problem_response(*problem);
     if (auto refusal = refuse_growth(services_, request)) return std::move(*refusal);
-    const auto expected = expected_revision(request);
+    const auto expected = expected_map(request);
     if (!expected) return change_error(request, expected.error());
     const auto info =
         maps().roll_back(name, std::get<api::RollBackRequest>(parsed).revision, *expected);
@@ -348,9 +350,9 @@ class MapRoutes {
                       "There are as many maps as there may be (max_maps): delete some.");
   }
 
-  /// That of the map, where If-Match names it; any without the header.
-  Result<ExpectedRevision> expected_revision(const Request& request) {
-    if (!request.if_match) return ExpectedRevision{};
+  /// The map, where If-Match names it; any without the header.
+  Result<ExpectedMap> expected_map(const Request& request) {
+    if (!request.if_match) return ExpectedMap{};
     const auto info = maps().find(request.captures[0]);
     if (!info && info.error().code != ErrorCode::kNotFound) return info.error();
     if (!info || !is_as_required(*request.if_match, *info)) {
@@ -359,7 +361,10 @@ class MapRoutes {
                        (info ? entity_tag_of(*info) : "(there is no map)") + " nor its digest",
                    "revision"};
     }
-    return ExpectedRevision{info->revision};
+    KnownMap known{.revision = info->revision, .id = info->id};
+    if (!requires_entity_tag(*request.if_match, digest_tag_of(*info)))
+      known.description = info->description;
+    return ExpectedMap(std::move(known));
   }
 
   template <typename Encode>
@@ -375,19 +380,21 @@ class MapRoutes {
 
   /// Of a job that changes the map, or makes it.
   Response accept_change_job(const Request& request, const char* kind, const JobInputView& input,
-                             const ExpectedRevision& expected) {
-    if (expected) return accept_job(services_, request, kind, input, KnownMap{*expected, true});
+                             const ExpectedMap& expected) {
+    if (expected)
+      return accept_job(services_, request, kind, input,
+                        JobMap{expected->revision, expected->id, true});
     const auto info = maps().find(request.captures[0]);
     if (!info && info.error().code != ErrorCode::kNotFound)
       return error_response(request, info.error());
-    return accept_job(services_, request, kind, input, KnownMap{info ? info->revision : 0, false});
+    return accept_job(services_, request, kind, input, info ? job_map(*info) : JobMap{});
   }
 
   Response accept_report_job(const Request& request) {
     const auto info = maps().find(request.captures[0]);
     if (!info) return error_response(request, info.error());
     if (!info->bounds) return error_response(request, map_without_grid());
-    return accept_job(services_, request, kReportJob, {}, std::nullopt);
+    return accept_job(services_, request, kReportJob, {}, job_map(*info));
   }
 
   template <typename Render>

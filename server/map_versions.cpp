@@ -38,20 +38,19 @@ Result<std::vector<std::uint8_t>> MapLibrary::archive(std::string_view name,
 }
 
 Result<MapInfo> MapLibrary::roll_back(std::string_view name, std::uint64_t revision,
-                                      const ExpectedRevision& expected) {
+                                      const ExpectedMap& expected) {
   return retrying([&] { return roll_back_once(name, revision, expected); });
 }
 
 Result<MapInfo> MapLibrary::roll_back_once(std::string_view name, std::uint64_t revision,
-                                           const ExpectedRevision& expected) {
+                                           const ExpectedMap& expected) {
   auto found = find(name);
   if (!found) return found.error();
   const auto growing = this->growing(found->id);
   const std::lock_guard lock(growing->mutex);
   found = find(name);  // The change before this one may just have come.
   if (!found || found->revision == revision) return found;
-  if (const auto checked = check_revision(found->revision, expected); !checked)
-    return checked.error();
+  if (const auto checked = check_expected(*found, expected); !checked) return checked.error();
   const auto bytes =
       stores_->with_maps([&](MapStore& maps) { return maps.revision_archive(name, revision); });
   if (!bytes) return bytes.error();

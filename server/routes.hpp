@@ -59,7 +59,7 @@ using JobInputView = std::map<std::string, std::string_view>;
 /// waits and the job is finished by then, the answer of its work.
 [[nodiscard]] Response accept_job(const Services& services, const Request& request,
                                   const char* kind, const JobInputView& input,
-                                  const std::optional<storage::KnownMap>& known_map);
+                                  const storage::JobMap& map);
 
 void add_job_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);

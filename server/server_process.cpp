@@ -6,15 +6,11 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <condition_variable>
-#include <csignal>
-#include <cstdlib>
-#include <mutex>
-#include <thread>
 #include <utility>
 
 #include "server/event_log.hpp"
 #include "server/http_server.hpp"
+#include "server/stop_signals.hpp"
 
 namespace cornerfix::server {
 namespace {
@@ -24,19 +20,9 @@ constexpr int kMaxHeaps = 4;
 /// Buffers from this size on go back to the system as soon as they are let go. By default the C
 /// library keeps ever larger ones, and what a large map needed while it was loaded would stay.
 constexpr int kMappedBufferBytes = 1 << 20;
-/// How often freed memory goes back to the system [s]. A session that searches needs several times
-/// what it needs later, in pieces between those that others keep.
-constexpr int kTrimInterval = 10;
-/// On top of the drain time, for batches that are being worked on: then the process ends anyway.
-/// What was acknowledged is then in the database.
-constexpr std::chrono::seconds kLastBatchTime{2};
-
-sigset_t handled_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
-  return signals;
-}
+/// On top of the drain time, for batches and the job that are being worked on: then the process
+/// ends anyway. What was acknowledged is then in the database, and the job is in the queue.
+constexpr std::chrono::seconds kLastWorkTime{2};
 
 /// Takes over the tokens of the configuration file. When it cannot be used, the old ones stay.
 void reload_tokens(HttpServer& server, const ConfigSource& source) {
@@ -59,59 +45,6 @@ void store_sessions(HttpServer& server) {
   const std::size_t failed = server.store_sessions();
   if (failed > 0) spdlog::error("{} sessions are not stored: they lose their last batches", failed);
 }
-
-/// Drains the server when a stop signal comes, and reloads tokens at SIGHUP. Every thread made
-/// after this one leaves these signals alone.
-class Signals {
- public:
-  Signals() {
-    const sigset_t signals = handled_signals();
-    pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  }
-
-  void handle(HttpServer& server, const ConfigSource& source, std::chrono::seconds stop_time) {
-    thread_ = std::thread([this, &server, &source, stop_time] {
-      while (wait() == SIGHUP) reload_tokens(server, source);
-      server.drain();
-      std::unique_lock lock(mutex_);
-      if (!ended_.wait_for(lock, stop_time, [this] { return has_ended_; })) {
-        spdlog::warn("some requests are still in work; leaving them");
-        store_sessions(server);
-        spdlog::shutdown();
-        std::_Exit(EXIT_SUCCESS);
-      }
-    });
-  }
-
-  /// To be called when the server has ended, for any reason.
-  void end() {
-    {
-      const std::lock_guard lock(mutex_);
-      has_ended_ = true;
-    }
-    ended_.notify_all();
-    // The thread waits for just this signal, which is blocked everywhere else.
-    pthread_kill(thread_.native_handle(), SIGTERM);  // NOLINT(bugprone-bad-signal-to-kill-thread)
-    thread_.join();
-  }
-
- private:
-  /// The next signal. Meanwhile, memory that is free goes back to the system.
-  static int wait() {
-    const sigset_t signals = handled_signals();
-    const timespec interval{.tv_sec = kTrimInterval, .tv_nsec = 0};
-    for (;;) {
-      const int signal = sigtimedwait(&signals, nullptr, &interval);
-      if (signal > 0) return signal;
-      malloc_trim(0);
-    }
-  }
-
-  std::thread thread_;
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  bool has_ended_ = false;
-};
 
 /// Connections need descriptors, and the usual limit of 1,024 is far below what the loop can hold.
 void raise_descriptor_limit() {
@@ -148,15 +81,14 @@ Result<void> run_server_process(const ServerConfig& config, const ConfigSource& 
                                 const std::function<void(const std::string&)>& on_listening) {
   claim_resources();
   begin_process_log(config, source);
-  Signals signals;
+  StopSignals signals;
   auto started = HttpServer::start(config);
   if (!started) return started.error();
-  HttpServer& server = **started;
-  signals.handle(server, source, std::chrono::seconds(config.drain_timeout_s) + kLastBatchTime);
-  on_listening(url_of(config.listen, server.port()));
-  const bool was_drained = server.run();
-  signals.end();
-  store_sessions(server);
+  const std::string url = url_of(config.listen, (*started)->port());
+  const bool was_drained = run_until_stopped<HttpServer>(
+      std::move(*started), signals, std::chrono::seconds(config.drain_timeout_s) + kLastWorkTime,
+      [&source](HttpServer& server) { reload_tokens(server, source); }, store_sessions,
+      [&] { on_listening(url); });
   if (!was_drained) return Error{ErrorCode::kInternal, "the listening socket failed", ""};
   spdlog::info("drained");
   return {};

@@ -21,13 +21,24 @@ bool is_held_by(const std::optional<JobRecord>& job, std::string_view holder) {
   return job && job->status == JobStatus::kRunning && job->holder == holder;
 }
 
-/// The input that keeps the revision of the map.
+/// The inputs that keep the revision of the map and its id.
 constexpr const char* kMapRevision = "map_revision";
+constexpr const char* kMapId = "map_id";
 
-void insert_map_revision(JobTables& jobs, std::int64_t job, std::uint64_t revision) {
-  const std::string text = std::to_string(revision);
-  jobs.insert_input(job, kMapRevision,
+void insert_number(JobTables& jobs, std::int64_t job, const char* name, std::uint64_t number) {
+  const std::string text = std::to_string(number);
+  jobs.insert_input(job, name,
                     BlobView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+void insert_map_id(JobTables& jobs, std::int64_t job, std::int64_t id) {
+  if (id > 0) insert_number(jobs, job, kMapId, static_cast<std::uint64_t>(id));
+}
+
+std::optional<std::uint64_t> number_in(const JobInput& input, const char* name) {
+  const auto kept = input.find(name);
+  if (kept == input.end()) return std::nullopt;
+  return std::stoull(std::string(kept->second.begin(), kept->second.end()));
 }
 
 /// Ends a job; what it worked on is of no use any more.
@@ -58,9 +69,11 @@ JobStatus job_status_from(std::string_view text) {
 }
 
 std::optional<std::uint64_t> map_revision(const JobInput& input) {
-  const auto kept = input.find(kMapRevision);
-  if (kept == input.end()) return std::nullopt;
-  return std::stoull(std::string(kept->second.begin(), kept->second.end()));
+  return number_in(input, kMapRevision);
+}
+
+std::int64_t map_id(const JobInput& input) {
+  return static_cast<std::int64_t>(number_in(input, kMapId).value_or(0));
 }
 
 JobStore::JobStore(std::shared_ptr<Database> database) : database_(std::move(database)) {}
@@ -82,8 +95,9 @@ Result<std::optional<JobRecord>> JobStore::insert(const NewJob& job, const JobLi
                      .kind = job.kind,
                      .map = job.map,
                      .created = job.created};
+    if (job.known_map) insert_map_id(jobs, record.number, job.known_map->id);
     if (job.known_map && (is_first || job.known_map->is_required))
-      insert_map_revision(jobs, record.number, job.known_map->revision);
+      insert_number(jobs, record.number, kMapRevision, job.known_map->revision);
     transaction->commit();
     return std::optional(std::move(record));
   });
@@ -174,10 +188,12 @@ Result<JobInput> JobStore::input(std::int64_t job) {
   return guarded([&]() -> Result<JobInput> { return database_->jobs().input(job); });
 }
 
-Result<void> JobStore::keep_map_revision(std::int64_t job, std::uint64_t revision) {
+Result<void> JobStore::keep_map(std::int64_t job, std::uint64_t revision, std::int64_t new_id) {
   return guarded([&]() -> Result<void> {
     const auto transaction = database_->begin(Access::kWrite);
-    insert_map_revision(database_->jobs(), job, revision);
+    JobTables& jobs = database_->jobs();
+    insert_number(jobs, job, kMapRevision, revision);
+    insert_map_id(jobs, job, new_id);
     transaction->commit();
     return {};
   });

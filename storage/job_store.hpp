@@ -57,16 +57,20 @@ struct JobRecord {
 /// By name, bytes that a job works on.
 using JobInput = std::map<std::string, Blob>;
 
-/// The map that a job may change, as the client knew it.
-struct KnownMap {
+/// The map that a job is about, as the client knew it.
+struct JobMap {
   std::uint64_t revision = 0;  ///< 0: there was none.
-  /// Also where earlier jobs of the map are not finished; else the job changes what they leave.
+  std::int64_t id = 0;         ///< 0: there was none.
+  /// The revision holds also where earlier jobs of the map are not finished. Else the job changes
+  /// what they leave.
   bool is_required = false;
 };
 
 /// The revision of the map that the job may change; nothing where earlier jobs of the map were not
 /// finished when it was accepted, and it did not begin yet.
 [[nodiscard]] std::optional<std::uint64_t> map_revision(const JobInput& input);
+/// Of the map that the job is about; 0 where there was none.
+[[nodiscard]] std::int64_t map_id(const JobInput& input);
 
 struct NewJob {
   std::string id;
@@ -74,7 +78,7 @@ struct NewJob {
   std::string map;
   std::string created;
   std::map<std::string, BlobView> input{};  ///< As JobInput.
-  std::optional<KnownMap> known_map{};      ///< Of a job that changes the map.
+  std::optional<JobMap> known_map{};        ///< Nothing: any.
 };
 
 /// Of jobs that are not finished.
@@ -148,7 +152,9 @@ class JobStore {
                                                        std::string_view now);
   [[nodiscard]] Result<JobInput> input(std::int64_t job);
   /// Adds to the input of a job that waited for earlier jobs which revision of the map these left.
-  [[nodiscard]] Result<void> keep_map_revision(std::int64_t job, std::uint64_t revision);
+  /// \param new_id  Of the map, when an earlier job has made it; else 0.
+  [[nodiscard]] Result<void> keep_map(std::int64_t job, std::uint64_t revision,
+                                      std::int64_t new_id);
   /// By kind and status, of all jobs that there are.
   [[nodiscard]] Result<std::vector<JobCount>> counts();
   /// Keeps the job and writes how far it is.

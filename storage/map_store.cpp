@@ -110,8 +110,9 @@ Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view
     MapTables& maps = database_->maps();
     std::optional<MapRow> stored = maps.find(name);
     MapRow map = stored.value_or(MapRow{});
-    if (remake && remake->expected_revision != map.info.revision)
-      return other_revision(map.info.revision, remake->expected_revision);
+    if (remake) {
+      if (const auto same = check_known(map.info, remake->known); !same) return same.error();
+    }
     if (remake && map.info.bounds) set_outline(map.info, remake->outline);
     map.info.name = name;
     const bool described = replace(map.info.description, description);
@@ -136,15 +137,15 @@ Result<bool> MapStore::put(std::string_view name, std::optional<std::string_view
   });
 }
 
-Result<void> MapStore::remove(std::string_view name,
-                              std::optional<std::uint64_t> expected_revision) {
+Result<void> MapStore::remove(std::string_view name, const std::optional<KnownMap>& known) {
   return guarded([&]() -> Result<void> {
     const auto transaction = database_->begin(Access::kWrite);
     MapTables& maps = database_->maps();
     const std::optional<MapRow> map = maps.find(name);
     if (!map) return unknown_map(name);
-    if (expected_revision && *expected_revision != map->info.revision)
-      return other_revision(map->info.revision, *expected_revision);
+    if (known) {
+      if (auto same = check_known(map->info, *known); !same) return same;
+    }
     maps.remove(name);
     transaction->commit();
     return {};
@@ -162,6 +163,8 @@ Result<std::vector<bool>> MapStore::known_stamps(std::int64_t map_id,
 Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revision,
                                const MapGrowth& growth, std::string_view now) {
   return guarded([&]() -> Result<MapInfo> {
+    ContentBlobs content;
+    if (growth.content != nullptr) content = encode_content(0, *growth.content);
     const auto transaction = database_->begin(Access::kWrite);
     MapTables& maps = database_->maps();
     Result<MapRow> map = find_at_revision(maps, map_id, expected_revision);
@@ -181,6 +184,13 @@ Result<MapInfo> MapStore::grow(std::int64_t map_id, std::uint64_t expected_revis
       info.drifts = growth.drifts;
       seal_revision(*map, change);
     }
+    if (growth.content != nullptr) {
+      info.feature_count = growth.content->features.size();
+      content.revision = info.revision;
+      maps.put_content(map_id, content);
+    }
+    if (growth.sketch != nullptr)
+      maps.put_sketch({map_id, info.revision, encode_map_sketch(*growth.sketch)});
     maps.update(*map);
     transaction->commit();
     return std::move(info);
@@ -211,8 +221,7 @@ Result<MapInfo> MapStore::put_floor_map(std::string_view name, const FloorMap& f
     }
     MapRow map = stored.value_or(MapRow{});
     MapInfo& info = map.info;
-    if (info.revision != floor_map.expected_revision)
-      return other_revision(info.revision, floor_map.expected_revision);
+    if (const auto same = check_known(info, floor_map.known); !same) return same.error();
     if (info.has_floor_map && map.chain == hash) return std::move(info);
     const RevisionChange change{RevisionOrigin::kOccupancyMap, now};
     if (stored) {

@@ -18,6 +18,7 @@
 #include <cornerfix/mapper.hpp>
 #include <cornerfix/result.hpp>
 
+#include "storage/known_map.hpp"
 #include "storage/map_archive.hpp"
 #include "storage/map_revisions.hpp"
 
@@ -55,8 +56,8 @@ struct MapOutline {
 
 /// What other parameters make of a map, worked out from its content.
 struct MapRemake {
-  std::uint64_t expected_revision = 0;  ///< Of that content; 0: there is no such map.
-  MapOutline outline{};                 ///< Of no meaning for a map without content.
+  KnownMap known{};      ///< With that content.
+  MapOutline outline{};  ///< Of no meaning for a map without content.
 };
 
 /// What POST …/scans adds in one transaction.
@@ -65,12 +66,15 @@ struct MapGrowth {
   std::span<const PosedScan> new_key_frames;  ///< In order.
   MapOutline outline{};                       ///< After the growth.
   bool drifts = false;  ///< The poses are those of lidar odometry, as MapInfo::drifts.
+  /// Derived from the grown map, to be stored with it; null where that is done later.
+  const MapContent* content = nullptr;
+  const MapSketch* sketch = nullptr;  ///< Of `content`; null where there is none.
 };
 
 /// What PUT …/grid makes a map of, in one transaction.
 struct FloorMap {
-  const OccupancyGrid& grid;            ///< As drawn.
-  std::uint64_t expected_revision = 0;  ///< Of the map that it is put in; 0 when there is none.
+  const OccupancyGrid& grid;  ///< As drawn.
+  KnownMap known{};           ///< The map that it is put in.
   MapOutline outline{};
 };
 
@@ -117,15 +121,15 @@ class MapStore {
 
   /// Creates (true) or describes (false) a map. Parts that are nullopt stay as they are.
   /// A description alone does not change the revision; lidar and parameters do. kConflict when
-  /// the map is not at the revision of `remake`.
+  /// the map is not the one of `remake`.
   [[nodiscard]] Result<bool> put(std::string_view name, std::optional<std::string_view> description,
                                  std::optional<std::string_view> lidar_json,
                                  std::optional<std::string_view> parameters_json,
                                  std::string_view now,
                                  const std::optional<MapRemake>& remake = std::nullopt);
-  /// kConflict when it is not at `expected_revision`.
+  /// kConflict when it is not the known one.
   [[nodiscard]] Result<void> remove(std::string_view name,
-                                    std::optional<std::uint64_t> expected_revision = {});
+                                    const std::optional<KnownMap>& known = {});
 
   /// Which of `stamps` the map already holds, same order.
   [[nodiscard]] Result<std::vector<bool>> known_stamps(std::int64_t map_id,
@@ -138,8 +142,8 @@ class MapStore {
   [[nodiscard]] Result<std::vector<PosedScan>> key_frames(std::int64_t map_id);
 
   /// Makes a map of an occupancy map, or puts the occupancy map in place of the one that a map was
-  /// made from; returns the new entry. kConflict, and nothing changes, for a map that is not at the
-  /// expected revision or holds scans. The revision stays when it is the same occupancy map.
+  /// made from; returns the new entry. kConflict, and nothing changes, for a map that is not the
+  /// known one or holds scans. The revision stays when it is the same occupancy map.
   [[nodiscard]] Result<MapInfo> put_floor_map(std::string_view name, const FloorMap& floor_map,
                                               std::string_view now);
   /// The map's whole source, in one snapshot.

@@ -224,6 +224,18 @@ TEST_F(JobsApiTest, AnswersAsWithoutAJobWhenItIsFinishedWhileTheClientWaits) {
   EXPECT_EQ(wrong.json()["errors"][0]["pointer"], "/image");
 }
 
+TEST_F(JobsApiTest, NamesTheMapOfAnArchiveThatTheClientWaitsFor) {
+  client_.put("/v1/maps/empty", {{"description", "ground floor"}});
+  const std::string archive = client_.get("/v1/maps/empty/archive").body;
+  const Reply made =
+      client_.send("POST", "/v1/maps/copy/archive", archive, "application/vnd.sqlite3",
+                   {{"Prefer", "respond-async, wait=60"}});
+  ASSERT_EQ(made.status, 201) << made.body;
+  EXPECT_EQ(made.header("location"), "/v1/maps/copy");
+  EXPECT_NE(made.header("etag"), "");
+  EXPECT_EQ(made.header("etag"), client_.get("/v1/maps/copy").header("etag"));
+}
+
 TEST_F(JobsApiTest, ShowsJobsInTheMetrics) {
   put_grid(client_, "plan", {{"Prefer", "respond-async, wait=60"}});
   const std::string metrics = client_.get("/metrics").body;
@@ -299,6 +311,31 @@ TEST(JobsApi, ShowsJobsToThoseWhoMayChangeMapsOnly) {
   EXPECT_EQ(finished_job(mapper, path)["status"], "succeeded");
 }
 
+TEST(JobsApi, DoesNotAddARunToAnotherMapOfTheSameName) {
+  const testing::TemporaryDirectory directory;
+  leave_job_behind(directory / "test.db", "office");
+  const testing::TestServer server(directory / "test.db");
+  HttpClient client(server.port());
+  ASSERT_EQ(client.put("/v1/maps/office", Json::object()).status, 201);
+  const Json run = unposed_run(testing::robot_drive(20));
+  const Reply accepted =
+      client.send("POST", "/v1/maps/office/scans", run.dump(), "application/json", kAsync);
+  ASSERT_EQ(accepted.status, 202) << accepted.body;
+  ASSERT_EQ(client.remove("/v1/maps/office").status, 204);
+  ASSERT_EQ(client.put("/v1/maps/office", Json::object()).status, 201);
+  {
+    storage::JobStore jobs(
+        storage::Database::open((directory / "test.db").string(), storage::Synchronous::kFull)
+            .value());
+    const storage::JobOutcome failed{.status = storage::JobStatus::kFailed};
+    ASSERT_TRUE(jobs.finish(jobs.find("left")->number, "dead", failed, "t2").value());
+  }
+  const Json job = finished_job(client, accepted.header("location"));
+  EXPECT_EQ(job["status"], "failed") << job;
+  EXPECT_EQ(job["problem"]["status"], 409);
+  EXPECT_EQ(client.get("/v1/maps/office").json()["keyframes"], 0);
+}
+
 /// A job that a server did, up to the answer, before it died; `form` is that of an import.
 void leave_import_behind(const std::filesystem::path& database, std::uint64_t map_revision) {
   const OccupancyGrid grid = room_grid();
@@ -313,7 +350,7 @@ void leave_import_behind(const std::filesystem::path& database, std::uint64_t ma
                            .map = "plan",
                            .created = "t0",
                            .input = {{"yaml", text}, {"image", pixels}},
-                           .known_map = storage::KnownMap{map_revision}},
+                           .known_map = storage::JobMap{map_revision}},
                           {}));
   ASSERT_TRUE(jobs.claim("dead", {}, "t1").value());
   ASSERT_TRUE(jobs.release(jobs.find("left")->number, "dead", true));

@@ -6,7 +6,9 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <variant>
 
+#include "api/body_reader.hpp"
 #include "unit/api/scan_text.hpp"
 #include "unit/api/taken.hpp"
 
@@ -46,6 +48,21 @@ TEST(MapScans, PreferTheLidarOfTheBodyAndCountItsBeams) {
   EXPECT_EQ(request.lidar->beams, std::nullopt);
   EXPECT_EQ(request.scans.at(0).scan.range_max, 5.0);
   EXPECT_EQ(request.scans.at(0).T_base_link_laser, (Pose2{0.3, 0.0, 0.0}));
+}
+
+TEST(MapScans, MayHaveOneValueMorePer32Ranges) {
+  const auto is_read = [](std::size_t ranges, std::size_t values) {
+    std::string body = R"({"scans": [{"ranges": [1)";
+    for (std::size_t i = 1; i < ranges; ++i) body += ",1";
+    body += R"(]}], "x": [)";
+    constexpr std::size_t kBesides = 5;  // The body, scans, the scan, ranges and x.
+    for (std::size_t i = kBesides; i < values; ++i) body += i == kBesides ? "1" : ",1";
+    return std::holds_alternative<Document>(read_body(body + "]}", BodyFormat::kJson, {}));
+  };
+  EXPECT_TRUE(is_read(31, 500'000));
+  EXPECT_FALSE(is_read(31, 500'001));
+  EXPECT_TRUE(is_read(20'000, 500'625));
+  EXPECT_FALSE(is_read(20'000, 500'626));
 }
 
 TEST(MapScans, TakeAnyOrderOfStamps) {

@@ -58,7 +58,8 @@ class JobServiceTest : public ServiceTest {
                            .expired_before = expired_before,
                            .limits = limits,
                            .lease = lease,
-                           .heartbeat = std::chrono::milliseconds(5)});
+                           .heartbeat = std::chrono::milliseconds(5),
+                           .patience = std::chrono::milliseconds(0)});
   }
   static std::string submit(JobService& service, const std::string& map = "office",
                             const std::string& text = "{}") {
@@ -179,6 +180,26 @@ TEST_F(JobServiceTest, PutsTheJobInWorkBackWhenItEndsAndTheNextServerDoesIt) {
   EXPECT_EQ(next->answer(id).value(), R"({"a":1})");
 }
 
+TEST_F(JobServiceTest, PutsAJobBackWhoseThreadDoesNotEnd) {
+  std::atomic<bool> may_end{false};
+  std::string id;
+  {
+    const auto service = serve([&](const JobTask&) -> Result<std::string> {
+      while (!may_end) std::this_thread::yield();
+      return std::string("{}");
+    });
+    id = submit(*service);
+    EXPECT_TRUE(becomes(id, JobStatus::kRunning));
+    service->close();
+    EXPECT_TRUE(becomes(id, JobStatus::kQueued));
+    EXPECT_EQ(find(id).attempts, 0U);
+    may_end = true;
+  }
+  EXPECT_EQ(find(id).status, JobStatus::kQueued);
+  const auto next = serve(echo);
+  EXPECT_TRUE(becomes(id, JobStatus::kSucceeded));
+}
+
 TEST_F(JobServiceTest, TakesTheJobOfADeadServerOverWhenItsLeaseHasRunOut) {
   const std::string id = leave_behind("left");
   {
@@ -222,7 +243,7 @@ TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) 
   std::atomic<bool> are_both_there{false};
   const auto change = [&](const JobTask& task) -> Result<std::string> {
     while (!are_both_there) std::this_thread::yield();
-    revisions.push_back(task.map_revision);
+    revisions.push_back(task.known_map.revision);
     api::Lidar lidar;
     lidar.angle_min = 0.1 * static_cast<double>(revisions.size());
     if (!process_.maps->put("office", {{}, lidar, {}})) return Error{};
@@ -231,12 +252,55 @@ TEST_F(JobServiceTest, HandsOutTheMapsRevisionAtAcceptanceOrAfterTheJobsBefore) 
   std::string last;
   {
     const auto service = serve(change);
-    ASSERT_TRUE(service->submit("work", "office", {}, storage::KnownMap{1}));
-    last = service->submit("work", "office", {}, storage::KnownMap{1}).value()->id;
+    ASSERT_TRUE(service->submit("work", "office", {}, storage::JobMap{1}));
+    last = service->submit("work", "office", {}, storage::JobMap{1}).value()->id;
     are_both_there = true;
     ASSERT_TRUE(becomes(last, JobStatus::kSucceeded));
   }
   EXPECT_EQ(revisions, (std::vector<std::uint64_t>{1, 2}));
+}
+
+TEST_F(JobServiceTest, FailsAJobWhoseMapWasDeletedAlsoWhenAnotherHasItsName) {
+  std::atomic<bool> may_begin{false};
+  const auto service = serve([&](const JobTask& task) -> Result<std::string> {
+    while (task.map == "lab" && !may_begin) std::this_thread::yield();
+    return std::string("{}");
+  });
+  ASSERT_TRUE(becomes(submit(*service, "lab"), JobStatus::kRunning));
+  std::vector<std::string> ids;
+  for (const char* map : {"gone", "replaced"}) {
+    ASSERT_TRUE(process_.maps->put(map, {}));
+    const storage::MapInfo info = process_.maps->find(map).value();
+    for (int i = 0; i < 2; ++i) {  // The second one takes over what the first one leaves.
+      const auto job = service->submit("work", map, {}, storage::JobMap{info.revision, info.id});
+      ids.push_back(job.value().value().id);
+    }
+    ASSERT_TRUE(process_.maps->remove(map));
+  }
+  ASSERT_TRUE(process_.maps->put("replaced", {}));
+  may_begin = true;
+  for (const std::string& id : ids) {
+    ASSERT_TRUE(becomes(id, JobStatus::kFailed)) << find(id).map;
+    EXPECT_EQ(nlohmann::json::parse(find(id).problem)["status"], 409) << find(id).map;
+    EXPECT_THAT(find(id).problem, HasSubstr("was deleted"));
+  }
+}
+
+TEST_F(JobServiceTest, KeepsToTheMapThatAnEarlierJobMade) {
+  std::atomic<bool> may_begin{false};
+  std::vector<std::int64_t> ids;
+  const auto service = serve([&](const JobTask& task) -> Result<std::string> {
+    while (!may_begin) std::this_thread::yield();
+    ids.push_back(task.known_map.id);
+    if (!process_.maps->put(task.map, {})) return Error{};
+    return std::string("{}");
+  });
+  std::string last;
+  for (int i = 0; i < 2; ++i)
+    last = service->submit("work", "office", {}, storage::JobMap{}).value()->id;
+  may_begin = true;
+  ASSERT_TRUE(becomes(last, JobStatus::kSucceeded));
+  EXPECT_EQ(ids, (std::vector<std::int64_t>{0, process_.maps->find("office")->id}));
 }
 
 TEST_F(JobServiceTest, WaitsForAJobUntilItIsFinished) {

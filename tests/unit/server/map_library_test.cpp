@@ -159,7 +159,7 @@ TEST_F(MapLibraryTest, TakesBatchesOfThreadsOneAfterTheOther) {
 
 TEST_F(MapLibraryTest, ChangesAMapAtTheExpectedRevisionOnly) {
   make_map(process_, "office");
-  const std::uint64_t expected = maps_.find("office")->revision;
+  const storage::KnownMap expected{maps_.find("office")->revision};
   Process other(file());
   ASSERT_TRUE(other.maps->put("office", {{}, {}, R"({"min_feature_count": 3})"}));
   const auto before = *maps_.find("office");
@@ -170,7 +170,8 @@ TEST_F(MapLibraryTest, ChangesAMapAtTheExpectedRevisionOnly) {
        {maps_.put("office", {"other", {}, {}}, expected).error(),
         maps_.grow("office", std::span(&later, 1), expected).error(),
         maps_.set_trajectory("office", trajectory({1.0, 0.0, 0.0}), expected).error(),
-        maps_.remove("office", expected).error(), maps_.put("office", {}, 0).error(),
+        maps_.remove("office", expected).error(),
+        maps_.put("office", {}, storage::KnownMap{}).error(),
         maps_.put("nowhere", {}, expected).error()}) {
     EXPECT_EQ(error.code, ErrorCode::kConflict);
     EXPECT_EQ(error.field, "revision");
@@ -179,7 +180,19 @@ TEST_F(MapLibraryTest, ChangesAMapAtTheExpectedRevisionOnly) {
   EXPECT_EQ(maps_.find("office")->description, before.description);
   // What was made already is no conflict.
   EXPECT_EQ(maps_.grow("office", drive_, expected)->duplicates, drive_.size());
-  EXPECT_TRUE(maps_.remove("office", before.revision));
+  EXPECT_TRUE(maps_.remove("office", storage::KnownMap{before.revision}));
+}
+
+TEST_F(MapLibraryTest, ReplacesOnlyTheDescriptionThatWasSeen) {
+  make_map(process_, "office");
+  const storage::MapInfo seen = *maps_.find("office");
+  const storage::KnownMap known{seen.revision, seen.id, seen.description};
+  Process other(file());
+  ASSERT_TRUE(other.maps->put("office", {"first", {}, {}}, known));
+  EXPECT_EQ(maps_.put("office", {"second", {}, {}}, known).error().field, "revision");
+  EXPECT_EQ(maps_.put("office", {"second", {}, R"({"min_feature_count": 3})"}, known).error().field,
+            "revision");
+  EXPECT_EQ(maps_.find("office")->description, "first");
 }
 
 TEST_F(MapLibraryTest, KeepsLoadedMapsUntilTheyChange) {

@@ -22,7 +22,7 @@ class MapRankingTest : public ServiceTest {
     const auto info = process.maps->find(name);
     const storage::FloorMap stored{
         .grid = plan,
-        .expected_revision = info ? info->revision : 0,
+        .known = {info ? info->revision : 0},
         .outline = {.feature_count = 0, .bounds = Bounds{{0.0, 0.0}, {0.2, 0.1}}}};
     ASSERT_TRUE(process.stores->with_maps(
         [&](storage::MapStore& maps) { return maps.put_floor_map(name, stored, kNow); }));

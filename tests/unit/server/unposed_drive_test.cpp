@@ -1,5 +1,6 @@
 #include "server/map_library.hpp"
 
+#include <SQLiteCpp/Database.h>
 #include <gmock/gmock.h>
 
 #include "unit/server/service_fixture.hpp"
@@ -7,6 +8,7 @@
 namespace cornerfix::server {
 namespace {
 
+using storage::KnownMap;
 using ::testing::HasSubstr;
 
 class UnposedDriveTest : public ServiceTest {
@@ -89,11 +91,8 @@ TEST_F(UnposedDriveTest, BecomesTheSameMapAsAWholeRun) {
   const auto stored = maps_.load("whole", [](double) { return false; });
   ASSERT_TRUE(stored);
   EXPECT_EQ((*stored)->grid(), expected->grid());
-  EXPECT_EQ(maps_
-                .add_run(
-                    "whole", drive_, [](std::string_view, double) { return true; }, 1)
-                ->duplicates,
-            drive_.size());
+  const auto goes_on = [](std::string_view, double) { return true; };
+  EXPECT_EQ(maps_.add_run("whole", drive_, goes_on, KnownMap{1})->duplicates, drive_.size());
 }
 
 TEST_F(UnposedDriveTest, ChangesNothingWhenAWholeRunIsGivenUp) {
@@ -110,15 +109,43 @@ TEST_F(UnposedDriveTest, ChangesNothingWhenAWholeRunIsGivenUp) {
   EXPECT_EQ(maps_.grow("office", part(20, 40))->accepted, 40U);
 }
 
+TEST_F(UnposedDriveTest, StoresAWholeRunWithItsContentOrNothing) {
+  const auto goes_on = [](std::string_view, double) { return true; };
+  const auto before = *maps_.find("office");
+  SQLite::Database database(file().string(), SQLite::OPEN_READWRITE);
+  for (const std::string table : {"map_contents", "map_sketches"}) {
+    database.exec("CREATE TRIGGER fault BEFORE INSERT ON " + table +
+                  " BEGIN SELECT RAISE(ABORT, 'fault'); END");
+    EXPECT_FALSE(maps_.add_run("office", drive_, goes_on)) << table;
+    database.exec("DROP TRIGGER fault");
+    EXPECT_EQ(maps_.find("office")->revision, before.revision) << table;
+    EXPECT_EQ(maps_.find("office")->key_frame_count, 0U) << table;
+  }
+  EXPECT_EQ(maps_.add_run("office", drive_, goes_on)->accepted, drive_.size());
+}
+
 TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheExpectedRevisionOnly) {
   ASSERT_TRUE(maps_.grow("office", part(0, 20)));
   const auto changed = maps_.find("office")->revision;
   const auto goes_on = [](std::string_view, double) { return true; };
-  const auto refused = maps_.add_run("office", part(20, 40), goes_on, changed - 1);
+  const auto refused = maps_.add_run("office", part(20, 40), goes_on, KnownMap{changed - 1});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
   EXPECT_EQ(maps_.find("office")->revision, changed);
-  EXPECT_TRUE(maps_.add_run("office", part(20, 40), goes_on, changed));
+  EXPECT_TRUE(maps_.add_run("office", part(20, 40), goes_on, KnownMap{changed}));
+}
+
+TEST_F(UnposedDriveTest, TakesAWholeRunIntoTheMapThatItWasGivenForOnly) {
+  const storage::MapInfo seen = *maps_.find("office");
+  ASSERT_TRUE(maps_.remove("office"));
+  ASSERT_TRUE(maps_.put("office", {}));
+  ASSERT_EQ(maps_.find("office")->revision, seen.revision);
+  const auto goes_on = [](std::string_view, double) { return true; };
+  const auto refused =
+      maps_.add_run("office", part(0, 20), goes_on, KnownMap{seen.revision, seen.id});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(maps_.find("office")->key_frame_count, 0U);
 }
 
 TEST_F(UnposedDriveTest, TakesNoScansAtPoses) {

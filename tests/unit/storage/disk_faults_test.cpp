@@ -81,7 +81,8 @@ TEST_P(DiskFaults, LoseNoBatchThatWasAcknowledged) {
   EXPECT_GT(refused, 3);
 }
 
-/// A growth that was refused may still be there after a failed sync, but then as a whole.
+/// A growth that was refused may still be there after a failed sync, but then as a whole, with what
+/// was derived of it.
 TEST_P(DiskFaults, LeaveNoHalfOfAMap) {
   std::uint64_t revision = 0;
   {
@@ -96,7 +97,10 @@ TEST_P(DiskFaults, LeaveNoHalfOfAMap) {
       MapStore store(SqliteDatabase::open(file_, Synchronous::kFull).value());
       const std::vector<double> stamps = {1000.0 + steps};
       const std::vector<PosedScan> frames = {sample_key_frame(steps)};
-      const MapGrowth growth{.stamps = stamps, .new_key_frames = frames};
+      const MapContent content = sample_content(3 + steps % 5);
+      const MapSketch sketch = sample_sketch(steps);
+      const MapGrowth growth{
+          .stamps = stamps, .new_key_frames = frames, .content = &content, .sketch = &sketch};
       disk_.arm(steps, GetParam());
       const auto grown = store.grow(store.find("office")->id, revision, growth, "now");
       was_acknowledged = !disk_.disarm() && grown;
@@ -106,6 +110,12 @@ TEST_P(DiskFaults, LeaveNoHalfOfAMap) {
     const std::size_t growths = info->revision - revision;
     EXPECT_EQ(info->key_frame_count, key_frames + growths);
     EXPECT_EQ(store.key_frames(info->id)->size(), key_frames + growths);
+    if (info->key_frame_count > 0) {
+      const auto content = store.content(info->id).value();
+      EXPECT_EQ(content->revision, info->revision);
+      EXPECT_EQ(content->content.features.size(), info->feature_count);
+      EXPECT_EQ(store.sketch_states()->front().sketch_revision, info->revision);
+    }
     EXPECT_TRUE(growths == 1 || (growths == 0 && !was_acknowledged));
     revision = info->revision;
     key_frames += growths;

@@ -56,7 +56,7 @@ TEST_P(JobStoreTest, GivesBackAJobAndItsInputAsTheyWere) {
 }
 
 TEST_P(JobStoreTest, KeepsTheMapsRevisionWhereNoEarlierJobMayChangeIt) {
-  const auto add_change = [&](const std::string& id, const std::string& map, KnownMap known) {
+  const auto add_change = [&](const std::string& id, const std::string& map, JobMap known) {
     return store_
         .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
         .value()
@@ -68,10 +68,29 @@ TEST_P(JobStoreTest, KeepsTheMapsRevisionWhereNoEarlierJobMayChangeIt) {
   EXPECT_EQ(revision(add_change("a", "office", {7})), 7U);
   const std::int64_t after = add_change("b", "office", {7});
   EXPECT_EQ(revision(after), std::nullopt);
-  EXPECT_EQ(revision(add_change("c", "office", {7, true})), 7U);
+  EXPECT_EQ(revision(add_change("c", "office", {7, 0, true})), 7U);
   EXPECT_EQ(revision(add_change("d", "hall", {0})), 0U);
-  ASSERT_TRUE(store_.keep_map_revision(after, 8));
+  ASSERT_TRUE(store_.keep_map(after, 8, 0));
   EXPECT_EQ(revision(after), 8U);
+}
+
+TEST_P(JobStoreTest, KeepsTheMapThatAJobIsAbout) {
+  const auto add_change = [&](const std::string& id, const std::string& map, JobMap known) {
+    return store_
+        .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
+        .value()
+        .value()
+        .number;
+  };
+  const auto map = [&](std::int64_t job) { return map_id(store_.input(job).value()); };
+  EXPECT_EQ(map(add("any", "lab")), 0);
+  EXPECT_EQ(map(add_change("a", "office", {7, 21})), 21);
+  EXPECT_EQ(map(add_change("b", "office", {7, 21})), 21);
+  const std::int64_t creation = add_change("c", "hall", {});
+  const std::int64_t after = add_change("d", "hall", {});
+  EXPECT_EQ(map(creation), 0);
+  ASSERT_TRUE(store_.keep_map(after, 1, 22));
+  EXPECT_EQ(map(after), 22);
 }
 
 TEST_P(JobStoreTest, CountsJobsByKindAndStatus) {

@@ -85,7 +85,7 @@ TEST_P(MapContentTest, MakesAMapOfAFloorMapAndReplacesIt) {
   EXPECT_EQ(store_.floor_map(first.id).value(), plan);
 
   const OccupancyGrid other = small_plan(Cell::kUnknown);
-  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = other, .expected_revision = 1}, "t2"));
+  ASSERT_TRUE(store_.put_floor_map("plan", {.grid = other, .known = {1}}, "t2"));
   const MapInfo second = store_.find("plan").value();
   EXPECT_EQ(second.revision, 2U);
   EXPECT_NE(second.digest, first.digest);
@@ -96,15 +96,13 @@ TEST_P(MapContentTest, TheSameFloorMapAgainChangesNothing) {
   const OccupancyGrid plan = small_plan(Cell::kFree);
   ASSERT_TRUE(store_.put_floor_map("plan", {.grid = plan}, "t1"));
   const std::string before = dump();
-  EXPECT_EQ(
-      store_.put_floor_map("plan", {.grid = plan, .expected_revision = 1}, "t2").value().revision,
-      1U);
+  EXPECT_EQ(store_.put_floor_map("plan", {.grid = plan, .known = {1}}, "t2").value().revision, 1U);
   EXPECT_EQ(dump(), before);
 }
 
 TEST_P(MapContentTest, AFloorMapIsPutInTheMapThatItWasMadeForOnly) {
   const OccupancyGrid plan = small_plan(Cell::kFree);
-  EXPECT_EQ(store_.put_floor_map("plan", {.grid = plan, .expected_revision = 1}, "t1").error().code,
+  EXPECT_EQ(store_.put_floor_map("plan", {.grid = plan, .known = {1}}, "t1").error().code,
             ErrorCode::kConflict);
   ASSERT_TRUE(store_.put_floor_map("plan", {.grid = plan}, "t1"));
   const std::string before = dump();

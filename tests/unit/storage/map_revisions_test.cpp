@@ -101,8 +101,7 @@ TEST_P(MapRevisionsTest, RollsBackToAnOccupancyMap) {
   const MapInfo first = store_.put_floor_map("office", {.grid = plan}, "t1").value();
   plan.cells[0] = plan.cells[0] == Cell::kFree ? Cell::kOccupied : Cell::kFree;
   const MapInfo second =
-      store_.put_floor_map("office", {.grid = plan, .expected_revision = first.revision}, "t2")
-          .value();
+      store_.put_floor_map("office", {.grid = plan, .known = {first.revision}}, "t2").value();
   ASSERT_NE(second.digest, first.digest);
   ASSERT_TRUE(store_.roll_back(second.id, second.revision, archive_of(first.revision), {}, "t3"));
   EXPECT_EQ(store_.find("office")->digest, first.digest);

@@ -75,7 +75,7 @@ TEST_P(MapStoreTest, OutlinesAMapWithOtherParametersIfItIsAtTheExpectedRevision)
   const MapInfo map = grow(make_map(), 1);
   const auto put = [&](std::uint64_t revision) {
     return store_.put("office", "d", std::nullopt, "params", "t1",
-                      MapRemake{.expected_revision = revision, .outline = outline_});
+                      MapRemake{.known = {revision}, .outline = outline_});
   };
   const std::string before = dump();
   EXPECT_EQ(put(map.revision - 1).error().code, ErrorCode::kConflict);
@@ -86,9 +86,38 @@ TEST_P(MapStoreTest, OutlinesAMapWithOtherParametersIfItIsAtTheExpectedRevision)
   EXPECT_EQ(store_.find("office")->bounds.value().max, outline_.bounds->max);
 }
 
+TEST_P(MapStoreTest, ReplacesOnlyTheDescriptionThatWasSeen) {
+  const MapInfo seen = make_map();
+  const MapRemake remake{.known = {seen.revision, seen.id, seen.description}};
+  ASSERT_TRUE(store_.put("office", "first", std::nullopt, std::nullopt, "t1", remake));
+  const auto second = store_.put("office", "second", std::nullopt, std::nullopt, "t2", remake);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+  EXPECT_EQ(second.error().field, "revision");
+  EXPECT_EQ(store_.remove("office", remake.known).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(store_.find("office")->description, "first");
+}
+
+TEST_P(MapStoreTest, LeavesAnotherMapOfTheSameNameAndRevisionAsItIs) {
+  const MapInfo seen = make_map();
+  ASSERT_TRUE(store_.remove("office"));
+  const MapInfo other = make_map();
+  ASSERT_EQ(other.revision, seen.revision);
+  const KnownMap known{seen.revision, seen.id};
+  const OccupancyGrid plan{
+      .resolution = 0.1, .T_map_grid = {}, .width = 1, .height = 1, .cells = {Cell::kFree}};
+  const std::string before = dump();
+  EXPECT_EQ(store_.put("office", "d", std::nullopt, "params", "t1", MapRemake{known}).error().code,
+            ErrorCode::kConflict);
+  EXPECT_EQ(store_.put_floor_map("office", {.grid = plan, .known = known}, "t1").error().code,
+            ErrorCode::kConflict);
+  EXPECT_EQ(store_.remove("office", known).error().code, ErrorCode::kConflict);
+  EXPECT_EQ(dump(), before);
+}
+
 TEST_P(MapStoreTest, OutlinesNoMapWithoutContent) {
   ASSERT_TRUE(store_.put("office", std::nullopt, std::nullopt, "params", "t0",
-                         MapRemake{.expected_revision = 0, .outline = outline_}));
+                         MapRemake{.outline = outline_}));
   EXPECT_EQ(store_.find("office")->feature_count, 0U);
   EXPECT_FALSE(store_.find("office")->bounds);
 }
