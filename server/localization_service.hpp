@@ -7,7 +7,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -152,9 +151,6 @@ class LocalizationService {
   [[nodiscard]] Result<LockedSession> lock(const std::string& id);
   [[nodiscard]] Result<void> refresh(LiveSession& session);
   [[nodiscard]] Result<void> use_current_maps(LiveSession& session);
-  /// Before maps are loaded for a search. kUnavailable when localized robots hold the room; those
-  /// that were silent for long do not count.
-  [[nodiscard]] Result<void> make_room_for_search(std::span<const storage::MapInfo> infos);
   /// Whether the session's maps come from the ranking, as it is now.
   [[nodiscard]] Result<bool> is_in_ranked_maps(const LiveSession& session);
   [[nodiscard]] Result<void> use_ranked_maps(LiveSession& session);

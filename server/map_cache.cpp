@@ -34,23 +34,6 @@ bool MapCache::make_room() {
   return bytes_ <= max_bytes_ || release_down_to(max_bytes_ - max_bytes_ / 10);
 }
 
-bool MapCache::make_room_for(std::size_t bytes) {
-  const std::lock_guard lock(mutex_);
-  for (auto entry = entries_.end(); bytes_ + bytes > max_bytes_ && entry != entries_.begin();) {
-    --entry;
-    if (entry->map.use_count() > 1) continue;
-    bytes_ -= entry->bytes;
-    entry = entries_.erase(entry);
-  }
-  return entries_.empty() || bytes_ + bytes <= max_bytes_;
-}
-
-std::size_t MapCache::bytes_to_load(const Key& key) {
-  const std::lock_guard lock(mutex_);
-  if (std::ranges::find(entries_, key, &Entry::key) != entries_.end()) return 0;
-  return size_of(key);
-}
-
 bool MapCache::release_down_to(std::size_t bytes) {
   for (auto entry = entries_.end(); bytes_ > bytes && entry != entries_.begin();) {
     --entry;
@@ -68,10 +51,6 @@ MapCacheUse MapCache::use() {
 
 std::size_t MapCache::known_bytes(const Key& key) {
   const std::lock_guard lock(mutex_);
-  return size_of(key);
-}
-
-std::size_t MapCache::size_of(const Key& key) const {
   const auto found = sizes_.find(key.first);
   return found != sizes_.end() && found->second.first == key.second ? found->second.second : 0;
 }

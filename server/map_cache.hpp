@@ -34,10 +34,6 @@ class MapCache {
   /// Releases what nobody else holds until a tenth of the room is free, if there is none. Returns
   /// whether the maps have room.
   bool make_room();
-  /// The same until `bytes` more have room. They have it when nothing else is left, too.
-  bool make_room_for(std::size_t bytes);
-  /// What loading the map adds: 0 when it is in memory, or when its size is not known.
-  [[nodiscard]] std::size_t bytes_to_load(const Key& key);
   [[nodiscard]] MapCacheUse use();
   /// What the map needed when it was last kept; 0 when that is not known.
   [[nodiscard]] std::size_t known_bytes(const Key& key);
@@ -53,8 +49,6 @@ class MapCache {
   std::mutex mutex_;
   /// With the mutex held; the first entry stays.
   bool release_down_to(std::size_t bytes);
-  /// With the mutex held; 0 when it is not known.
-  [[nodiscard]] std::size_t size_of(const Key& key) const;
 
   std::list<Entry> entries_;                                             ///< Last used first.
   std::size_t bytes_ = 0;                                                ///< Of all entries.

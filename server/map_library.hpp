@@ -164,12 +164,6 @@ class MapLibrary {
   [[nodiscard]] MapCacheUse cache_use() { return cache_.use(); }
   /// As MapCache::make_room().
   bool make_room() { return cache_.make_room(); }
-  /// As MapCache::make_room_for().
-  bool make_room_for(std::size_t bytes) { return cache_.make_room_for(bytes); }
-  /// As MapCache::bytes_to_load().
-  [[nodiscard]] std::size_t bytes_to_load(const storage::MapInfo& info) {
-    return cache_.bytes_to_load({info.id, info.revision});
-  }
   /// What this revision needed in memory when it was last loaded; 0 when that is not known.
   [[nodiscard]] std::size_t known_bytes(const storage::MapInfo& info) {
     return cache_.known_bytes({info.id, info.revision});

@@ -28,9 +28,6 @@ Result<void> LocalizationService::use_current_maps(LiveSession& session) {
   // A map that is gone, or empty now, leaves the robot lost: it needs all others.
   const auto tracked = std::ranges::find(*infos, session.confirmed_map, &MapInfo::id);
   if (tracked == infos->end() || !tracked->bounds) session.confirmed_map = 0;
-  if (!session.is_tracking()) {
-    if (auto room = make_room_for_search(*infos); !room) return room;
-  }
   auto maps = session.confirmed_map != 0
                   ? load_one(*maps_, *infos, session.confirmed_map, session.free_area_m2)
                   : load_all(*maps_, *infos, settings_.max_searched_map_bytes,
@@ -40,20 +37,6 @@ Result<void> LocalizationService::use_current_maps(LiveSession& session) {
   session.maps_epoch = session.epoch;
   table_.forget_least_used(settings_.max_session_bytes);
   return {};
-}
-
-Result<void> LocalizationService::make_room_for_search(std::span<const MapInfo> infos) {
-  std::size_t bytes = 0;
-  for (const MapInfo& info : infos) bytes += info.bounds ? maps_->bytes_to_load(info) : 0;
-  if (bytes == 0) return {};
-  bool has_room = false;
-  table_.release_localizers([&] { return has_room = maps_->make_room_for(bytes); },
-                            [this](const LiveSession& session) {
-                              return !session.is_tracking() || is_stale(session.record.last_used);
-                            });
-  if (has_room) return {};
-  return Error{ErrorCode::kUnavailable,
-               "the maps of localized robots leave no room for a search (max_map_bytes)", ""};
 }
 
 Result<bool> LocalizationService::is_in_ranked_maps(const LiveSession& session) {

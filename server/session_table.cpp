@@ -58,24 +58,20 @@ void SessionTable::forget_least_used(std::size_t max_bytes) {
   }
 }
 
-void SessionTable::release_localizers(const std::function<bool()>& has_room,
-                                      const std::function<bool(const LiveSession&)>& may_release) {
+void SessionTable::release_localizers(const std::function<bool()>& has_room) {
   if (has_room()) return;
   const std::lock_guard lock(mutex_);
   std::vector<std::tuple<bool, Clock::time_point, LiveSession*>> idle;
   for (const auto& [id, session] : sessions_) {
     if (session.use_count() > 1) continue;
-    // Who takes a session needs the table's mutex first. So nobody has it now; a caller that holds
-    // another session must not wait here.
-    const std::unique_lock session_lock(session->mutex, std::try_to_lock);
-    if (!session_lock) continue;
-    if (!session->can_release_localizer() || (may_release && !may_release(*session))) continue;
-    idle.emplace_back(session->is_tracking(), session->last_used, session.get());
+    // Nobody waits for it: who takes a session needs the table's mutex first.
+    const std::lock_guard session_lock(session->mutex);
+    if (session->can_release_localizer())
+      idle.emplace_back(session->is_tracking(), session->last_used, session.get());
   }
   std::ranges::sort(idle);
   for (const auto& [is_tracking, last_used, session] : idle) {
-    const std::unique_lock session_lock(session->mutex, std::try_to_lock);
-    if (!session_lock) continue;
+    const std::lock_guard session_lock(session->mutex);
     session->release_localizer();
     if (has_room()) return;
   }

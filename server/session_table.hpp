@@ -37,12 +37,10 @@ class SessionTable {
   /// tenth of the room is then free, so that not every batch has to look.
   void forget_least_used(std::size_t max_bytes);
 
-  /// Until `has_room`, releases the localizers of sessions that are not in use. Those that are
-  /// localized come last, and of each kind the least recently used first. A search that goes
-  /// on with the next scan keeps its localizer: it would begin anew. \param may_release  Nothing:
-  /// any session's.
-  void release_localizers(const std::function<bool()>& has_room,
-                          const std::function<bool(const LiveSession&)>& may_release = {});
+  /// Until `has_room`, releases the localizers of sessions that are not in use. Those of localized
+  /// robots come last, and of each kind the least recently used first. A search that goes on with
+  /// the next scan keeps its localizer: it would begin anew.
+  void release_localizers(const std::function<bool()>& has_room);
 
   [[nodiscard]] SessionCounts count_by_status();
 

@@ -44,27 +44,6 @@ TEST(MapCache, CountsMapsThatOthersHoldAndReleasesThemLater) {
   EXPECT_EQ(cache.find({6, 1}), third);
 }
 
-TEST(MapCache, MakesRoomForAMapOfWhatNobodyHolds) {
-  const std::size_t size = make_map(1)->bytes();
-  MapCache cache(2 * size);
-  cache.keep({1, 1}, make_map(1));
-  const LocalizationMapPtr held = make_map(1);
-  cache.keep({2, 1}, held);
-  EXPECT_EQ(cache.bytes_to_load({1, 1}), 0U);
-  EXPECT_EQ(cache.bytes_to_load({3, 1}), 0U);  // Not known.
-  EXPECT_TRUE(cache.make_room_for(size));
-  EXPECT_EQ(cache.bytes_to_load({1, 1}), size);
-  EXPECT_FALSE(cache.make_room_for(2 * size));
-  EXPECT_EQ(cache.find({2, 1}), held);
-}
-
-TEST(MapCache, MakesRoomForAMapThatIsLargerThanAllTheRoom) {
-  MapCache cache(1);
-  cache.keep({1, 1}, make_map(1));
-  EXPECT_TRUE(cache.make_room_for(2));
-  EXPECT_EQ(cache.use().maps, 0U);
-}
-
 TEST(MapCache, KnowsOneRevisionOfAMapFromAnother) {
   MapCache cache(std::size_t{1} << 30U);
   cache.keep({1, 1}, make_map(1));

@@ -34,9 +34,7 @@ TEST_F(SharedMapRoom, BoundsTheMapsOfAllRobotsTogether) {
 
 TEST_F(SharedMapRoom, LoadsAReleasedMapForTheRobotThatNeedsIt) {
   constexpr std::size_t kBatches = 8;
-  // A robot counts as silent as soon as it has its answer.
-  Process process(file(), {.max_map_bytes = 1},
-                  {.stale_before = [] { return "2999-01-01T00:00:00Z"; }});
+  Process process(file(), {.max_map_bytes = 1});
   const std::string first = create(process, {"office"});
   const std::string second = create(process, {"second"});
   std::string last;
@@ -48,29 +46,6 @@ TEST_F(SharedMapRoom, LoadsAReleasedMapForTheRobotThatNeedsIt) {
   }
   EXPECT_THAT(last, HasSubstr("localized in office"));
   EXPECT_EQ(process.maps->cache_use().loads, 2 * kBatches);
-}
-
-TEST_F(SharedMapRoom, KeepsTheMapOfALocalizedRobotAndLetsASearchWait) {
-  constexpr std::size_t kBatches = 6;  // Of a robot that is localized then.
-  std::string stale_before = "2000-01-01T00:00:00Z";
-  Process process(file(), {.max_map_bytes = bytes_},
-                  {.stale_before = [&stale_before] { return stale_before; }});
-  ASSERT_TRUE(process.maps->load("second"));  // Its size is known from now on.
-  const std::string tracked = create(process, {"office"});
-  for (std::size_t i = 0; i < kBatches; ++i) answer(process, tracked, batch(i));
-  const std::uint64_t loads = process.maps->cache_use().loads;
-  const std::string searching = create(process, {"second"});
-  for (std::size_t i = kBatches; i < kBatches + 3; ++i) {
-    const auto refused = process.localization.post_scans(searching, batch(0));
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
-    EXPECT_THAT(answer(process, tracked, batch(i)), HasSubstr("localized in office"));
-  }
-  EXPECT_EQ(process.maps->cache_use().loads, loads);
-  stale_before = "2999-01-01T00:00:00Z";  // The robot in the office is silent.
-  answer(process, searching, batch(0));
-  EXPECT_EQ(process.maps->cache_use().maps, 1U);
-  EXPECT_THAT(answer(process, tracked, batch(kBatches + 3)), HasSubstr("localized in office"));
 }
 
 TEST_F(SharedMapRoom, DoesNotBeginASearchAnewForAnotherRobot) {
