@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -64,9 +65,15 @@ inline constexpr double kMinMatchedShare = 0.3;  ///< Of the points of a scan th
 }
 
 /// The pose of a robot whose odometry did not change. Either it stands or its odometry hangs, so
-/// the prior is half as certain as that of a small motion.
-[[nodiscard]] inline PosePrior standing_prior(const Pose2& T_submap_base_link) {
-  return isotropic_prior(T_submap_base_link, 0.04, 0.03);
+/// the standard deviations are at least twice those of a small motion. `noise_scale` multiplies the
+/// latter.
+[[nodiscard]] inline PosePrior standing_prior(
+    const Pose2& T_submap_base_link, const Eigen::Vector3d& noise_scale = Eigen::Vector3d::Ones()) {
+  constexpr double kPosition = 0.04;  // [m]
+  constexpr double kYaw = 0.03;       // [rad]
+  const Eigen::Vector3d sigma = odometry_noise({}).cwiseProduct(noise_scale);
+  return isotropic_prior(T_submap_base_link, std::max(kPosition, sigma.x()),
+                         std::max(kYaw, sigma.z()));
 }
 
 /// The pose at constant velocity: `motion` is that between the two scans before.

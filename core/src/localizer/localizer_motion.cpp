@@ -22,9 +22,9 @@ constexpr double kMaxIntervalRatio = 3.0;
 // Longest interval between scans without odometry: beyond it the robot may have moved farther than
 // a match can find.
 constexpr double kMaxUnobserved = 1.5;  // [s]
-// Odometry that does not change while the robot moved by this much from scan to scan may hang.
-constexpr double kLeastMotion = 0.02;  // [m]
-constexpr double kLeastTurn = 0.02;    // [rad]
+// A slower robot may stand. When odometry does not change and the robot was faster, it may hang.
+constexpr double kLeastSpeed = 0.1;      // [m/s]
+constexpr double kLeastTurnSpeed = 0.1;  // [rad/s]
 // Odometry that differs from constant velocity by more has jumped: no wheeled robot accelerates so.
 constexpr double kJump = 0.6;               // [m]
 constexpr double kAcceleration = 5.0;       // [m/s^2]
@@ -55,8 +55,9 @@ bool is_jump(const Pose2& odometry, const Pose2& steady_motion, double interval_
          angle_between(odometry, steady_motion) > kTurnJump + kTurnAcceleration * squared_s;
 }
 
-bool is_moving(const Pose2& motion) {
-  return motion.translation().norm() > kLeastMotion || std::abs(motion.yaw) > kLeastTurn;
+bool is_moving(const Pose2& motion, double interval_s) {
+  return motion.translation().norm() > kLeastSpeed * interval_s ||
+         std::abs(motion.yaw) > kLeastTurnSpeed * interval_s;
 }
 
 }  // namespace
@@ -118,8 +119,9 @@ Localizer::Impl::Prediction Localizer::Impl::predict(const RobotScan& robot_scan
   const Pose2 odometry = inverse(*T_odom_before) * *last_T_odom_base_link;
   if (odometry_monitor.use() == OdometryUse::kIgnored) return {steady, {}, false, odometry};
   const bool is_unchanged = *T_odom_before == *last_T_odom_base_link;
-  if (is_unchanged && !is_moving(steady_motion)) {
-    const PredictedPose standing{standing_prior(T_submap_base_link), Eigen::Matrix3d::Zero()};
+  if (is_unchanged && !is_moving(steady_motion, interval_s)) {
+    const PredictedPose standing{standing_prior(T_submap_base_link, odometry_monitor.noise_scale()),
+                                 Eigen::Matrix3d::Zero()};
     return {standing, {}, true, odometry};
   }
   const PredictedPose by_odometry = predict_by_odometry(odometry);

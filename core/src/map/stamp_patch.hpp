@@ -32,12 +32,15 @@ struct StampPlace {
                                             int width, int height) {
   const double column = point_cells.x() - 0.5;
   const double row = point_cells.y() - 0.5;
-  return {column,
-          row,
-          std::max(0, static_cast<int>(std::ceil(column - reach_cells))),
-          std::min(width - 1, static_cast<int>(std::floor(column + reach_cells))),
-          std::max(0, static_cast<int>(std::ceil(row - reach_cells))),
-          std::min(height - 1, static_cast<int>(std::floor(row + reach_cells)))};
+  // Clamped before the conversion: a point may lie farther away than an int can hold.
+  const auto first = [&](double middle, double end) {
+    return static_cast<int>(std::clamp(std::ceil(middle - reach_cells), 0.0, end));
+  };
+  const auto last = [&](double middle, double end) {
+    return static_cast<int>(std::clamp(std::floor(middle + reach_cells), -1.0, end - 1.0));
+  };
+  return {column,           row, first(column, width), last(column, width), first(row, height),
+          last(row, height)};
 }
 
 inline constexpr int kLargestStamp = 16;  ///< Columns and rows of a stamp that is drawn at once.

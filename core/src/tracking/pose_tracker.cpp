@@ -102,20 +102,30 @@ std::vector<Point2> ends_on_known_ground(const ClassField& classes, std::span<co
   return known;
 }
 
-/// The pose that follows from a prior and a match which started from it. The match has moved the
-/// pose as if the points gave the information `claimed`; they gave `observed`. So a wall does not
-/// pull the pose along itself.
+/// The pose between a prior and a match that the prior held back. The match moved the pose as if
+/// the points gave the information `claimed`; they gave `observed`. So a wall does not pull the
+/// pose along itself. The principal directions are those of `observed` relative to the prior, with
+/// the values m of `observed` and f of `claimed`. In each of them the step is m / (1 + m) of the
+/// distance to the walls instead of f / (1 + f). It is never longer than that of the match.
 Pose2 moved_as_observed(const PosePrior& prior, const Pose2& matched,
                         const Eigen::Matrix3d& claimed, const Eigen::Matrix3d& observed) {
-  // A trace of information in all directions, so that the inverse exists.
-  const Eigen::Matrix3d all_claimed = claimed + 1e-3 * Eigen::Matrix3d::Identity();
   const Pose2& from = prior.T_frame_base_link;
   const Eigen::Vector3d moved{matched.x - from.x, matched.y - from.y,
                               wrap_angle(matched.yaw - from.yaw)};
-  const Eigen::Vector3d without_prior =
-      all_claimed.inverse() * (prior.information + all_claimed) * moved;
-  const Eigen::Vector3d step = (prior.information + observed).inverse() * observed * without_prior;
-  return {from.x + step.x(), from.y + step.y(), wrap_angle(from.yaw + step.z())};
+  // observed = L (V diag(m) V') L' with the prior L L'.
+  const Eigen::Matrix3d L = prior.information.llt().matrixL();
+  const Eigen::Matrix3d to_unit = L.inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(to_unit * observed *
+                                                            to_unit.transpose());
+  Eigen::Vector3d step = axes.eigenvectors().transpose() * L.transpose() * moved;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d axis = to_unit.transpose() * axes.eigenvectors().col(i);
+    const double m = std::max(0.0, axes.eigenvalues()[i]);
+    const double f = std::max(m, axis.dot(claimed * axis));
+    step[i] *= m > 0.0 ? m / (1.0 + m) * (1.0 + f) / f : 0.0;
+  }
+  const Eigen::Vector3d kept = to_unit.transpose() * axes.eigenvectors() * step;
+  return {from.x + kept.x(), from.y + kept.y(), wrap_angle(from.yaw + kept.z())};
 }
 
 /// Of evenly thinned points, each standing for its neighbours.
@@ -174,12 +184,13 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   correction.sigma_point_m /= std::sqrt(share);
   const Pose2 start = best_start(map.index().field, known, T_map_base_link_, covariance_);
   const Pose2 aligned = aligned_pose(map.index().field, known, start, correction, prior);
-  const EvidenceScore fit = score_evidence(map.index().classes, {known, {}}, aligned);
+  const Eigen::Matrix3d claimed = information_of(map.index().field, known, aligned, correction);
+  correction.normal_error_rad = kMapNormalError;
+  const Eigen::Matrix3d observed = information_of(map.index().field, known, aligned, correction);
+  const Pose2 corrected = moved_as_observed(prior, aligned, claimed, observed);
+  const EvidenceScore fit = score_evidence(map.index().classes, {known, {}}, corrected);
   if (known_share >= kMinKnown && fit.matched >= kMinFitShare) {
-    const Eigen::Matrix3d claimed = information_of(map.index().field, known, aligned, correction);
-    correction.normal_error_rad = kMapNormalError;
-    const Eigen::Matrix3d observed = information_of(map.index().field, known, aligned, correction);
-    T_map_base_link_ = moved_as_observed(prior, aligned, claimed, observed);
+    T_map_base_link_ = corrected;
     if (distance_m_ >= kLeastDistance) {
       covariance_ = (prior.information + observed).inverse();
       distance_m_ = 0.0;
