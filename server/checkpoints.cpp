@@ -76,6 +76,7 @@ bool Checkpoints::is_overdue(const LiveSession& session) const {
 }
 
 std::size_t Checkpoints::store_all() {
+  const std::lock_guard storing(storing_);
   std::size_t failed = 0;
   std::vector<SessionPtr> all;
   {
@@ -99,12 +100,19 @@ void Checkpoints::run() {
     } else if (const Clock::time_point due = queue_.begin()->first; due > now) {
       changed_.wait_until(lock, due);
     } else {
-      const std::vector<SessionPtr> group = take_due(now);
       lock.unlock();
-      (void)store(group);
+      store_due(now);
       lock.lock();
     }
   }
+}
+
+void Checkpoints::store_due(Clock::time_point now) {
+  const std::lock_guard storing(storing_);
+  std::unique_lock lock(mutex_);
+  const std::vector<SessionPtr> group = take_due(now);
+  lock.unlock();
+  (void)store(group);
 }
 
 std::vector<Checkpoints::SessionPtr> Checkpoints::take_due(Clock::time_point now) {

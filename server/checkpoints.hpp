@@ -40,6 +40,8 @@ class Checkpoints {
 
  private:
   void run();
+  /// Stores some of those that are due by `now`.
+  void store_due(Clock::time_point now);
   /// Those that are due by `now`, taken from the queue: some, so that a transaction is short.
   [[nodiscard]] std::vector<SessionPtr> take_due(Clock::time_point now);
   /// Returns how many could not be stored; they are in the queue again.
@@ -47,6 +49,8 @@ class Checkpoints {
 
   const std::shared_ptr<StoreAccess> stores_;
   const std::chrono::milliseconds interval_;
+  /// Held while sessions that were taken from the queue are stored. Locked before `mutex_`.
+  std::mutex storing_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::multimap<Clock::time_point, SessionPtr> queue_;  ///< By when they are due.

@@ -37,7 +37,7 @@ class StopSignals {
   bool has_ended_ = false;
 };
 
-/// Calls about a server until it is to be destroyed.
+/// Calls to a server, one at a time, until its destruction begins.
 template <typename Server>
 class LastCalls {
  public:
@@ -58,8 +58,9 @@ class LastCalls {
   Server* server_;
 };
 
-/// Runs a server until it is drained, stores its sessions and destroys it. That all has
-/// `stop_time` from the signal on: a server may have threads that end much later.
+/// Runs a server until it is drained, stores its sessions and destroys it. All of this has
+/// `stop_time` from the signal on, because a server may have threads that end much later. Only the
+/// storing of sessions may take longer: what it has begun is finished.
 /// \return What run() returned.
 template <typename Server>
 [[nodiscard]] bool run_until_stopped(std::unique_ptr<Server> server, StopSignals& signals,
@@ -74,7 +75,7 @@ template <typename Server>
                  stop_time);
   on_ready();
   const bool was_drained = server->run();
-  store_sessions(*server);
+  calls.with_server(store_sessions);
   calls.end();
   server.reset();
   signals.end();
