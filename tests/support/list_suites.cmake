@@ -16,6 +16,7 @@ foreach(suite IN LISTS suites)
   string(APPEND tests "add_test([==[${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*${except}]==])\n"
     # Skipped where every test was skipped and none failed.
     "set_tests_properties([==[${suite}]==] PROPERTIES LABELS ${LABEL}"
+    " FAIL_REGULAR_EXPRESSION [==[Running 0 tests]==]"
     " SKIP_REGULAR_EXPRESSION [==[PASSED  \\] 0 tests[.]\n(\\[  SKIPPED \\][^\n]*\n)+$]==])\n")
 endforeach()
 file(WRITE ${OUTPUT} "${tests}")
