@@ -27,7 +27,8 @@ namespace cornerfix::server {
 /// What the work of a job gets.
 struct JobTask {
   std::string map;
-  storage::KnownMap known_map;  ///< That may be changed.
+  /// The map that may be changed. Revision 0: there must be none.
+  storage::KnownMap known_map;
   storage::JobInput input;
   WorkProgress progress;
 };
@@ -49,8 +50,8 @@ struct JobServiceSettings {
   /// A running job whose heartbeat stands still for so long is taken over.
   std::chrono::milliseconds lease{15'000};
   std::chrono::milliseconds heartbeat{1'000};  ///< Also between looks for new jobs.
-  /// After close() the job in work may take so long to end. Then it goes back into the queue, and
-  /// what its thread still does is of no use.
+  /// How long the job in work has after close(). Then it goes back into the queue, and what its
+  /// thread still does is lost.
   std::chrono::milliseconds patience{500};
 };
 

@@ -13,8 +13,10 @@ struct MapInfo;
 
 struct KnownMap {
   std::uint64_t revision = 0;  ///< 0: there was no map of that name.
-  std::int64_t id = 0;         ///< Another map of that name is not meant. 0: not known.
-  std::optional<std::string> description{};  ///< It has not changed either, where it is given.
+  /// A change is refused when the map of that name has another id. 0: not known.
+  std::int64_t id = 0;
+  /// And when it has another description. Not compared without one.
+  std::optional<std::string> description{};
 };
 
 /// kConflict, `field` "revision", when `map` is not the known one. Revision 0: there is no map.
