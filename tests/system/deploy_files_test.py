@@ -22,6 +22,11 @@ except ImportError:
 MAX_EXPOSURE = "20"  # Of systemd-analyze security, in tenths; an unhardened unit has 96.
 
 
+def has_docker_compose():
+    return shutil.which("docker") is not None and subprocess.run(
+        ["docker", "compose", "version"], capture_output=True).returncode == 0
+
+
 def dockerfile():
     """Instructions, each on one line."""
     return (SOURCE / "Dockerfile").read_text().replace("\\\n", " ")
@@ -128,7 +133,7 @@ class ComposeTest(unittest.TestCase):
         self.assertIn(f"server cornerfix:{port};", upstream)
 
     def test_docker_compose_takes_it(self):
-        if subprocess.run(["docker", "compose", "version"], capture_output=True).returncode != 0:
+        if not has_docker_compose():
             self.skipTest("docker compose is not installed")
         run("docker", "compose", "--file", SOURCE / "deploy/compose.yaml", "config", "--quiet")
 
@@ -200,7 +205,7 @@ class ReplicasTest(unittest.TestCase):
             run("haproxy", "-c", "-f", file)
 
     def test_docker_compose_takes_it(self):
-        if subprocess.run(["docker", "compose", "version"], capture_output=True).returncode != 0:
+        if not has_docker_compose():
             self.skipTest("docker compose is not installed")
         file = SOURCE / "deploy/compose_replicas.yaml"
         os.environ["CORNERFIX_DB_PASSWORD"] = "example"
