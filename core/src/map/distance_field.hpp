@@ -33,7 +33,7 @@ class DistanceField {
   explicit DistanceField(const OccupancyGrid& grid);
 
   /// Lowers the cells about points of frame `grid` to their distance from them, within `radius_m`.
-  /// Costs least when neighbours follow each other.
+  /// O(points * (radius / resolution)^2 + cells / 256).
   void stamp(std::span<const Point2> points_grid, double radius_m);
 
   struct Sample {

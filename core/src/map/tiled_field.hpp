@@ -24,7 +24,7 @@ class TiledField {
   TiledField(const Pose2& T_frame_grid, double resolution, int width, int height);
 
   /// Lowers the cells about points of frame `grid` to their distance from them, within `radius_m`.
-  /// Costs least when neighbours follow each other.
+  /// O(points * (radius / resolution)^2 + cells / 256).
   void stamp(std::span<const Point2> points_grid, double radius_m);
   /// All cells at kMaxDistance again, elsewhere. Keeps its memory.
   void clear(const Pose2& T_frame_grid);

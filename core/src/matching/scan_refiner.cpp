@@ -264,15 +264,15 @@ RefinedPose refine_pose(const Field& field, std::span<const Point2> points_base_
 /// A normal n + s t with an error s along the wall has s^2 t t^T more information than n. Over a
 /// long corridor these errors would add up to information along its axis, so they are subtracted.
 template <typename Field>
-Eigen::Matrix3d observed_information(const Field& field, std::span<const Point2> points_base_link,
-                                     const Pose2& T_frame_base_link,
-                                     const ScanRefinerParams& params) {
+PointInformation point_information(const Field& field, std::span<const Point2> points_base_link,
+                                   const Pose2& T_frame_base_link,
+                                   const ScanRefinerParams& params) {
   constexpr double kBefore = 0.25;  // [m]
   const Pose2 T = field.T_grid_frame() * T_frame_base_link;
   const Placed placed(T);
   const double kernel2 = params.kernel_m * params.kernel_m;
-  const double point_information = 1.0 / (params.sigma_point_m * params.sigma_point_m);
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  const double of_one_point = 1.0 / (params.sigma_point_m * params.sigma_point_m);
+  PointInformation information{Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
   for (const Point2& p : points_base_link) {
     const Point2 turned_point = placed.turned(p);
     const double distance = field.distance(placed.shifted(turned_point));
@@ -285,16 +285,29 @@ Eigen::Matrix3d observed_information(const Field& field, std::span<const Point2>
     const Eigen::Vector3d across = jacobian_of(normal, turned_point);
     const Eigen::Vector3d along =
         params.normal_error_rad * jacobian_of({-normal.y(), normal.x()}, turned_point);
-    information.noalias() += (root * root * point_information) *
-                             (across * across.transpose() - along * along.transpose());
+    const double weight = root * root * of_one_point;
+    information.claimed.noalias() += weight * (across * across.transpose());
+    information.observed.noalias() +=
+        weight * (across * across.transpose() - along * along.transpose());
   }
-  return turned(positive_part(information), -field.T_grid_frame().yaw);
+  const double yaw = -field.T_grid_frame().yaw;
+  return {turned(positive_part(information.claimed), yaw),
+          turned(positive_part(information.observed), yaw)};
+}
+
+template <typename Field>
+Eigen::Matrix3d observed_information(const Field& field, std::span<const Point2> points_base_link,
+                                     const Pose2& T_frame_base_link,
+                                     const ScanRefinerParams& params) {
+  return point_information(field, points_base_link, T_frame_base_link, params).observed;
 }
 
 template Pose2 aligned_pose(const DistanceField&, std::span<const Point2>, const Pose2&,
                             const ScanRefinerParams&, const std::optional<PosePrior>&);
 template RefinedPose refine_pose(const DistanceField&, std::span<const Point2>, const Pose2&,
                                  const ScanRefinerParams&, const std::optional<PosePrior>&);
+template PointInformation point_information(const DistanceField&, std::span<const Point2>,
+                                            const Pose2&, const ScanRefinerParams&);
 template Eigen::Matrix3d observed_information(const DistanceField&, std::span<const Point2>,
                                               const Pose2&, const ScanRefinerParams&);
 template Pose2 aligned_pose(const TiledField&, std::span<const Point2>, const Pose2&,

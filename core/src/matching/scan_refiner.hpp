@@ -57,10 +57,22 @@ template <typename Field>
                                  const Pose2& T_frame_base_link, const ScanRefinerParams& params,
                                  const std::optional<PosePrior>& prior = std::nullopt);
 
-/// Information of x, y, yaw from points matched to walls, along the axes of the frame, without any
-/// prior. Singular where they do not constrain the pose (along a bare corridor). What errors of
-/// `normal_error_rad` in the normals add is subtracted (docs/method/06-tracking.md, section 6.2).
-/// O(points).
+/// Information of x, y, yaw from points matched to walls, along the axes of the frame.
+struct PointInformation {
+  Eigen::Matrix3d claimed;  ///< As if the normals of the walls were exact.
+  /// Without what errors of `normal_error_rad` in the normals add (docs/method/06-tracking.md,
+  /// section 6.2). Singular where the points do not constrain the pose (along a bare corridor).
+  Eigen::Matrix3d observed;
+};
+
+/// Information from points that lie on walls at a pose, without any prior. O(points).
+template <typename Field>
+[[nodiscard]] PointInformation point_information(const Field& field,
+                                                 std::span<const Point2> points_base_link,
+                                                 const Pose2& T_frame_base_link,
+                                                 const ScanRefinerParams& params);
+
+/// PointInformation::observed alone.
 template <typename Field>
 [[nodiscard]] Eigen::Matrix3d observed_information(const Field& field,
                                                    std::span<const Point2> points_base_link,

@@ -27,8 +27,7 @@ constexpr double kDriftYawOfTurn = 0.01;  // after a radian
 // The map corrects the pose with points whose errors are alike along a wall: each counts for
 // little.
 constexpr ScanRefinerParams kCorrection{
-    .kernel_m = 0.15, .sigma_point_m = 0.3, .max_iterations = 8};
-constexpr double kMapNormalError = 0.2;  // of the normals of mapped walls [rad]
+    .kernel_m = 0.15, .sigma_point_m = 0.3, .max_iterations = 8, .normal_error_rad = 0.2};
 constexpr double kApproach = 0.3;   // from here on a beam must have come through mapped space [m]
 constexpr double kMinKnown = 0.25;  // share of ends that the map must know to correct the pose
 constexpr double kMinFitShare = 0.35;
@@ -102,43 +101,39 @@ std::vector<Point2> ends_on_known_ground(const ClassField& classes, std::span<co
   return known;
 }
 
-/// The pose between a prior and a match that the prior held back. The match moved the pose as if
-/// the points gave the information `claimed`; they gave `observed`. So a wall does not pull the
-/// pose along itself. The principal directions are those of `observed` relative to the prior, with
-/// the values m of `observed` and f of `claimed`. In each of them the step is m / (1 + m) of the
-/// distance to the walls instead of f / (1 + f). It is never longer than that of the match.
+/// Of evenly thinned points, each standing for its neighbours.
+PointInformation information_of(const DistanceField& field, std::span<const Point2> points,
+                                const Pose2& T_map_base_link, const ScanRefinerParams& params) {
+  constexpr std::size_t kPoints = 90;
+  const std::vector<Point2> some = thinned(points, kPoints);
+  const double weight = static_cast<double>(points.size()) /
+                        static_cast<double>(std::max<std::size_t>(1, some.size()));
+  const PointInformation of_some = point_information(field, some, T_map_base_link, params);
+  return {weight * of_some.claimed, weight * of_some.observed};
+}
+
+}  // namespace
+
 Pose2 moved_as_observed(const PosePrior& prior, const Pose2& matched,
-                        const Eigen::Matrix3d& claimed, const Eigen::Matrix3d& observed) {
+                        const PointInformation& information) {
   const Pose2& from = prior.T_frame_base_link;
   const Eigen::Vector3d moved{matched.x - from.x, matched.y - from.y,
                               wrap_angle(matched.yaw - from.yaw)};
   // observed = L (V diag(m) V') L' with the prior L L'.
   const Eigen::Matrix3d L = prior.information.llt().matrixL();
   const Eigen::Matrix3d to_unit = L.inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(to_unit * observed *
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(to_unit * information.observed *
                                                             to_unit.transpose());
   Eigen::Vector3d step = axes.eigenvectors().transpose() * L.transpose() * moved;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d axis = to_unit.transpose() * axes.eigenvectors().col(i);
     const double m = std::max(0.0, axes.eigenvalues()[i]);
-    const double f = std::max(m, axis.dot(claimed * axis));
+    const double f = std::max(m, axis.dot(information.claimed * axis));
     step[i] *= m > 0.0 ? m / (1.0 + m) * (1.0 + f) / f : 0.0;
   }
   const Eigen::Vector3d kept = to_unit.transpose() * axes.eigenvectors() * step;
   return {from.x + kept.x(), from.y + kept.y(), wrap_angle(from.yaw + kept.z())};
 }
-
-/// Of evenly thinned points, each standing for its neighbours.
-Eigen::Matrix3d information_of(const DistanceField& field, std::span<const Point2> points,
-                               const Pose2& T_map_base_link, const ScanRefinerParams& params) {
-  constexpr std::size_t kPoints = 90;
-  const std::vector<Point2> some = thinned(points, kPoints);
-  const double weight = static_cast<double>(points.size()) /
-                        static_cast<double>(std::max<std::size_t>(1, some.size()));
-  return weight * observed_information(field, some, T_map_base_link, params);
-}
-
-}  // namespace
 
 PoseTracker::PoseTracker(const Pose2& T_map_base_link)
     : T_map_base_link_(T_map_base_link),
@@ -184,15 +179,14 @@ TrackingVerdict PoseTracker::update(const LocalizationMap& map, std::span<const 
   correction.sigma_point_m /= std::sqrt(share);
   const Pose2 start = best_start(map.index().field, known, T_map_base_link_, covariance_);
   const Pose2 aligned = aligned_pose(map.index().field, known, start, correction, prior);
-  const Eigen::Matrix3d claimed = information_of(map.index().field, known, aligned, correction);
-  correction.normal_error_rad = kMapNormalError;
-  const Eigen::Matrix3d observed = information_of(map.index().field, known, aligned, correction);
-  const Pose2 corrected = moved_as_observed(prior, aligned, claimed, observed);
+  const PointInformation information =
+      information_of(map.index().field, known, aligned, correction);
+  const Pose2 corrected = moved_as_observed(prior, aligned, information);
   const EvidenceScore fit = score_evidence(map.index().classes, {known, {}}, corrected);
   if (known_share >= kMinKnown && fit.matched >= kMinFitShare) {
     T_map_base_link_ = corrected;
     if (distance_m_ >= kLeastDistance) {
-      covariance_ = (prior.information + observed).inverse();
+      covariance_ = (prior.information + information.observed).inverse();
       distance_m_ = 0.0;
     }
   }

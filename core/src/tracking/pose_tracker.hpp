@@ -13,6 +13,8 @@
 #include <cornerfix/localization_map.hpp>
 #include <cornerfix/pose2.hpp>
 
+#include "core/src/matching/scan_refiner.hpp"
+
 namespace cornerfix {
 
 /// How one scan fits the pose.
@@ -21,6 +23,15 @@ enum class TrackingVerdict {
   kMisfits,    ///< It does not.
   kNoReturns,  ///< It shows nothing.
 };
+
+/// The pose between a prior and a match that the prior held back. The match moved the pose as if
+/// the points gave the `claimed` information; they gave the `observed` one. So a wall does not pull
+/// the pose along itself. The principal directions are those of `observed` relative to the prior,
+/// with the values m of `observed` and f of `claimed`. In each of them the step is m / (1 + m) of
+/// the distance to the walls instead of f / (1 + f). It is never longer than that of the match.
+/// docs/method/06-tracking.md, section 6.2.
+[[nodiscard]] Pose2 moved_as_observed(const PosePrior& prior, const Pose2& matched,
+                                      const PointInformation& information);
 
 /// Value type; keeps no map.
 class PoseTracker {

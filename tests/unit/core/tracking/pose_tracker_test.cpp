@@ -92,6 +92,23 @@ TEST(PoseTracker, AWallDoesNotPullThePoseAlongItself) {
   EXPECT_THAT(tracker.T_map_base_link(), IsPoseNear(Pose2{0.0, 1.0, 0.0}, 0.05, 0.01));
 }
 
+TEST(PoseTracker, AStepWithoutInformationDoesNotTurnThePose) {
+  // Along x the match moved the pose, although the points had no information there. That of the
+  // heading is tilted towards x a little, as errors of normals make it.
+  const Eigen::Matrix3d prior = Eigen::Vector3d{100.0, 1e4, 2500.0}.asDiagonal();
+  const Eigen::Matrix3d claimed = Eigen::Vector3d{0.0, 1e4, 15'000.0}.asDiagonal();
+  Eigen::Matrix3d observed = claimed;
+  observed(0, 0) = 0.375;
+  observed(0, 2) = observed(2, 0) = 75.0;
+  const Pose2 from{3.0, 2.0, 0.5};
+  const Pose2 matched{3.009, 2.0, 0.5};
+  EXPECT_THAT(moved_as_observed({from, prior}, matched, {claimed, observed}),
+              IsPoseNear(from, 0.009, 0.001));
+  // Where all is observed, the match is kept.
+  EXPECT_THAT(moved_as_observed({from, prior}, {3.0, 2.1, 0.6}, {claimed, claimed}),
+              IsPoseNear(Pose2{3.0, 2.1, 0.6}, 1e-9, 1e-9));
+}
+
 TEST(PoseTracker, IsLessSureAfterDrivingUnseenAndSurerAfterAScan) {
   const LocalizationMapPtr map = testing::make_map(hall(), {2.0, 4.0});
   std::mt19937_64 random(4);
