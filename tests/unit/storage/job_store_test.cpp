@@ -20,6 +20,14 @@ class JobStoreTest : public EngineTest {
     EXPECT_TRUE(job && job->has_value());
     return (*job)->number;
   }
+  /// The number of a new job that changes `map`.
+  std::int64_t add_change(const std::string& id, const std::string& map, JobMap known) {
+    return store_
+        .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
+        .value()
+        .value()
+        .number;
+  }
   /// The id of the job that `server` gets, or "".
   std::string claim(const std::string& server, const std::vector<JobLease>& expired = {}) {
     const auto job = store_.claim(server, expired, "t1");
@@ -56,13 +64,6 @@ TEST_P(JobStoreTest, GivesBackAJobAndItsInputAsTheyWere) {
 }
 
 TEST_P(JobStoreTest, KeepsTheMapsRevisionWhereNoEarlierJobMayChangeIt) {
-  const auto add_change = [&](const std::string& id, const std::string& map, JobMap known) {
-    return store_
-        .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
-        .value()
-        .value()
-        .number;
-  };
   const auto revision = [&](std::int64_t job) { return map_revision(store_.input(job).value()); };
   EXPECT_EQ(revision(add("report", "lab")), std::nullopt);
   EXPECT_EQ(revision(add_change("a", "office", {7})), 7U);
@@ -75,13 +76,6 @@ TEST_P(JobStoreTest, KeepsTheMapsRevisionWhereNoEarlierJobMayChangeIt) {
 }
 
 TEST_P(JobStoreTest, KeepsTheMapThatAJobIsAbout) {
-  const auto add_change = [&](const std::string& id, const std::string& map, JobMap known) {
-    return store_
-        .insert({.id = id, .kind = "import", .map = map, .created = "t0", .known_map = known}, {})
-        .value()
-        .value()
-        .number;
-  };
   const auto map = [&](std::int64_t job) { return map_id(store_.input(job).value()); };
   EXPECT_EQ(map(add("any", "lab")), 0);
   EXPECT_EQ(map(add_change("a", "office", {7, 21})), 21);

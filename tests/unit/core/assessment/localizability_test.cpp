@@ -90,11 +90,11 @@ TEST(Localizability, SeesLessWithALidarOfShortReach) {
 }
 
 TEST(Localizability, EndsWhenItIsToldTo) {
-  int told = 0;
+  int reports = 0;
   const auto report =
-      assess_localizability(offices_to_assess(), {}, [&told](double) { return ++told < 2; });
+      assess_localizability(offices_to_assess(), {}, [&reports](double) { return ++reports < 2; });
   EXPECT_FALSE(report.has_value());
-  EXPECT_EQ(told, 2);
+  EXPECT_EQ(reports, 2);
 }
 
 TEST(Localizability, HasNoPlacesWhereTheMapHasNoFreeSpace) {
