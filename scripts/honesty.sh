@@ -175,6 +175,19 @@ ask_scenes() {
       done
       ask_building "$kind-$layout" "$scene-1.yaml" "$scene-2.yaml" "scene-$kind" "$(count 20 4)"
     done
+    $quick || ask_other_layouts "$kind" "$layouts"
+  done
+}
+
+# KIND LAYOUTS: the run in each layout asks in the maps of the next three.
+ask_other_layouts() {
+  local layout next
+  for layout in $(seq "$2"); do
+    for next in 1 2 3; do
+      local other=$(((layout + next - 1) % $2 + 1))
+      asks "elsewhere-$1" "$layout-in-$other" "$OUT/runs/$1-$layout-ask0.jsonl.gz" \
+        --elsewhere "$OUT/runs/$1-$other-map.jsonl.gz" --starts 20 --way 20
+    done
   done
 }
 

@@ -6,6 +6,8 @@
 #include <unsupported/Eigen/SpecialFunctions>
 #include <vector>
 
+#include "core/src/scan/longest_lines.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -147,6 +149,24 @@ AcceptanceTerms weigh(const EvidenceScore& best, double margin, std::span<const 
   terms.probability_best = logistic(terms.rival_evidence);
   terms.probability_correct = terms.probability_explained * terms.probability_best;
   return terms;
+}
+
+bool explains_more_than_two_lines(const ClassField& classes, const Evidence& evidence,
+                                  const Pose2& T_map_evidence) {
+  const std::vector<std::uint8_t> hits = hit_classes(classes, evidence, T_map_evidence);
+  std::vector<Point2> explained;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (is_explained(hits[i])) explained.push_back(evidence.ends[i]);
+  }
+  const std::vector<bool> is_on_lines = are_on_longest_lines(explained, 2);
+  EvidenceScore others;
+  auto is_on_line = is_on_lines.begin();
+  for (const std::uint8_t end_class : hits) {
+    if (is_explained(end_class) && *is_on_line++) continue;
+    ++others.end_counts[end_class];
+    ++others.ends;
+  }
+  return explained_share(others) > kChanceShare;
 }
 
 }  // namespace cornerfix

@@ -51,4 +51,12 @@ struct OtherPose {
 [[nodiscard]] AcceptanceTerms weigh(const EvidenceScore& best, double margin,
                                     std::span<const double> log_odds, double free_area_m2);
 
+/// Whether the pose explains more than two straight lines of hits. Two walls that are not parallel
+/// fix a pose in every building that has two such walls, so they do not show that this is the right
+/// building. Without the hits on the two longest lines that are explained, the explained share must
+/// be above that of a pose that fits by chance. `T_map_evidence` takes the evidence's frame into
+/// `map`. Cost as of hit_classes() and are_on_longest_lines().
+[[nodiscard]] bool explains_more_than_two_lines(const ClassField& classes, const Evidence& evidence,
+                                                const Pose2& T_map_evidence);
+
 }  // namespace cornerfix

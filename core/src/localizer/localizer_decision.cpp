@@ -107,20 +107,24 @@ void Localizer::Impl::decide(const View& view) {
     if (reason == Reason::kNone && !was_lost) status = Status::kAmbiguous;
     return;
   }
+  const Candidate& best = candidates.best();
+  const ClassField& classes = maps[best.map]->index().classes;
+  if (!explains_more_than_two_lines(classes, view.evidence, best.T_map_base_link)) {
+    reason = Reason::kContradicted;
+    return;
+  }
   if (search.mirror_image_fits_better(maps, view)) {
     reason = Reason::kFewEvidence;
     return;
   }
   // A pose that new ground contradicted is not accepted again by what was seen before.
-  const Candidate& best = candidates.best();
-  const NewGround::Verdict verdict =
-      new_ground.judge(maps[best.map]->index().classes, submap.evidence(),
-                       best.T_map_base_link * inverse(T_submap_base_link));
+  const NewGround::Verdict verdict = new_ground.judge(
+      classes, submap.evidence(), best.T_map_base_link * inverse(T_submap_base_link));
   if (verdict == NewGround::Verdict::kContradicts) {
     reason = Reason::kContradicted;
     return;
   }
-  accept(candidates.best());
+  accept(best);
 }
 
 Reason Localizer::Impl::no_match() const {

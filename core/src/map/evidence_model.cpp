@@ -57,6 +57,28 @@ void summarise(EvidenceScore& score) {
   score.unmapped = share(score, kFirstUnmapped, kFieldClasses);
 }
 
+/// Takes points of the evidence into cells of the map's grid.
+class ToCells {
+ public:
+  ToCells(const ClassField& classes, const Pose2& T_map_evidence) {
+    const Pose2 T = classes.T_grid_map() * T_map_evidence;
+    const double scale = 1.0 / classes.resolution();
+    c_ = std::cos(T.yaw) * scale;
+    s_ = std::sin(T.yaw) * scale;
+    x_ = T.x * scale;
+    y_ = T.y * scale;
+  }
+  Point2 operator()(const Point2& p) const {
+    return {x_ + c_ * p.x() - s_ * p.y(), y_ + s_ * p.x() + c_ * p.y()};
+  }
+
+ private:
+  double c_;
+  double s_;
+  double x_;
+  double y_;
+};
+
 std::string end_class_name(std::size_t end_class) {
   static constexpr std::array<const char*, kNearLimits.size()> kNear{"0.05", "0.10", "0.15",
                                                                      "0.20"};
@@ -160,36 +182,41 @@ std::vector<std::uint8_t> ClassField::walls_between(std::span<const Point2> from
   return are_blocked;
 }
 
-EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
-                             const Pose2& T_map_evidence) {
-  const Pose2 T = classes.T_grid_map() * T_map_evidence;
-  const double scale = 1.0 / classes.resolution();
-  const double c = std::cos(T.yaw) * scale;
-  const double s = std::sin(T.yaw) * scale;
-  const double x = T.x * scale;
-  const double y = T.y * scale;
-  const auto in_cells = [&](const Point2& p) {
-    return Point2{x + c * p.x() - s * p.y(), y + s * p.x() + c * p.y()};
-  };
+std::vector<std::uint8_t> hit_classes(const ClassField& classes, const Evidence& evidence,
+                                      const Pose2& T_map_evidence) {
+  const ToCells to_cells(classes, T_map_evidence);
   std::vector<Point2> ends(evidence.ends.size());
-  std::ranges::transform(evidence.ends, ends.begin(), in_cells);
+  std::ranges::transform(evidence.ends, ends.begin(), to_cells);
   std::vector<Point2> origins(evidence.origins.size());
-  std::ranges::transform(evidence.origins, origins.begin(), in_cells);
+  std::ranges::transform(evidence.origins, origins.begin(), to_cells);
   const std::vector<std::uint8_t> is_hidden = origins.empty()
                                                   ? std::vector<std::uint8_t>(ends.size(), 0)
                                                   : classes.walls_between(origins, ends);
-  EvidenceScore score;
-  score.block_llr.assign(evidence.blocks, 0.0F);
-  score.independent_hits = evidence.independent_hits;
+  std::vector<std::uint8_t> hits(ends.size());
   for (std::size_t i = 0; i < ends.size(); ++i) {
     std::size_t end_class = classes.packed(ends[i]) & 15U;
     if (is_hidden[i] != 0) end_class = end_class < kNearLimits.size() ? kHiddenNear : kHiddenFar;
-    ++score.end_counts[end_class];
-    if (!evidence.end_blocks.empty())
-      score.block_llr[evidence.end_blocks[i]] += kRivalWeights.ends[end_class];
+    hits[i] = static_cast<std::uint8_t>(end_class);
   }
+  return hits;
+}
+
+bool is_explained(std::size_t end_class) { return end_class < kEndOfMatched; }
+
+EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
+                             const Pose2& T_map_evidence) {
+  EvidenceScore score;
+  score.block_llr.assign(evidence.blocks, 0.0F);
+  score.independent_hits = evidence.independent_hits;
+  const std::vector<std::uint8_t> hits = hit_classes(classes, evidence, T_map_evidence);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    ++score.end_counts[hits[i]];
+    if (!evidence.end_blocks.empty())
+      score.block_llr[evidence.end_blocks[i]] += kRivalWeights.ends[hits[i]];
+  }
+  const ToCells to_cells(classes, T_map_evidence);
   for (std::size_t i = 0; i < evidence.free.size(); ++i) {
-    const std::size_t pass_class = classes.packed(in_cells(evidence.free[i])) >> 4U;
+    const std::size_t pass_class = classes.packed(to_cells(evidence.free[i])) >> 4U;
     ++score.pass_counts[pass_class];
     if (!evidence.free_blocks.empty())
       score.block_llr[evidence.free_blocks[i]] += kRivalWeights.passes[pass_class];

@@ -125,8 +125,16 @@ class ClassField {
   std::vector<std::uint8_t> classes_;
 };
 
-/// `T_map_evidence` takes the evidence's frame into `map`. One look-up a point, and a few along the
-/// beam of each end whose origin is known.
+/// The end class of each hit. `T_map_evidence` takes the evidence's frame into `map`. One look-up
+/// per hit, and a few along the beam of each hit whose origin is known.
+[[nodiscard]] std::vector<std::uint8_t> hit_classes(const ClassField& classes,
+                                                    const Evidence& evidence,
+                                                    const Pose2& T_map_evidence);
+/// Whether hits of a class lie within 0.15 m of a wall that the robot can see.
+[[nodiscard]] bool is_explained(std::size_t end_class);
+
+/// The classes of hits and of passed points at a pose, counted. Cost as of hit_classes(), and one
+/// look-up per passed point.
 [[nodiscard]] EvidenceScore score_evidence(const ClassField& classes, const Evidence& evidence,
                                            const Pose2& T_map_evidence);
 
