@@ -65,9 +65,9 @@ struct LocalizerParams {
   CornerExtractor extractor =
       CornerExtractor::kLineIntersection;  ///< That of the maps, for good matches.
   std::uint64_t seed = 1;                  ///< Of all random draws.
-  /// Work of one scan in searches of whole maps, as time of one core on the machine of
-  /// docs/results.md [ms]; > 0. It counts operations, so answers do not depend on the clock. A
-  /// longer search continues at the next scans.
+  /// Work of one scan in judging candidates and in searches of whole maps, as time of one core on
+  /// the machine of docs/results.md [ms]; > 0. It counts operations, so answers do not depend on
+  /// the clock. A longer search continues at the next scans.
   double search_budget_ms = 40.0;
   AcceptanceParams acceptance;
   PaperParams paper;

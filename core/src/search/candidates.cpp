@@ -56,15 +56,12 @@ Candidate* Candidates::find(std::size_t map, const Pose2& T_map_base_link) {
 AcceptanceTerms Candidates::terms(double depth) const { return terms(depth, unsearched_maps_); }
 
 AcceptanceTerms Candidates::terms(double depth, std::size_t unsearched_maps) const {
-  double margin = margin_without_rivals(depth);
   std::vector<double> log_odds;
   const std::vector<OtherPose> others = other_poses();
-  for (const Candidate& rival : all().subspan(1)) {
-    margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
+  for (const Candidate& rival : all().subspan(1))
     log_odds.push_back(rival_log_odds(best().score, rival.score, others));
-  }
   if (unsearched_maps > 0) log_odds.push_back(-std::log(static_cast<double>(unsearched_maps)));
-  return weigh(best().score, margin, log_odds, free_area_m2_);
+  return weigh(best().score, margin(depth), log_odds, free_area_m2_);
 }
 
 std::vector<OtherPose> Candidates::other_poses() const {
@@ -86,6 +83,19 @@ AcceptanceTerms Candidates::terms_without_rivals(double depth) const {
 double Candidates::margin_without_rivals(double depth) const {
   const EvidenceScore& score = best().score;
   return std::min(score.log_likelihood - kMinPlaceWeight * score.ends, depth * score.ends);
+}
+
+double Candidates::margin(double depth) const {
+  double margin = margin_without_rivals(depth);
+  for (const Candidate& rival : all().subspan(1))
+    margin = std::min(margin, best().score.log_likelihood - rival.score.log_likelihood);
+  return margin;
+}
+
+bool Candidates::acceptable(double depth) const {
+  // The log-odds of the rivals cost most and only lower the probability.
+  return acceptable(weigh(best().score, margin(depth), {}, free_area_m2_)) &&
+         acceptable(terms(depth));
 }
 
 bool Candidates::acceptable(const AcceptanceTerms& terms) const {

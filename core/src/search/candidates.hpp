@@ -67,7 +67,7 @@ class Candidates {
   /// The same if there were no rivals within `depth`.
   [[nodiscard]] AcceptanceTerms terms_without_rivals(double depth) const;
   /// Whether the best may be accepted.
-  [[nodiscard]] bool acceptable(double depth) const { return acceptable(terms(depth)); }
+  [[nodiscard]] bool acceptable(double depth) const;
   /// Whether it would be if there were no other poses than those known.
   [[nodiscard]] bool may_be_accepted() const { return acceptable(kRivalMargin); }
   /// Whether the best would be accepted if no map were unsearched.
@@ -80,6 +80,7 @@ class Candidates {
   [[nodiscard]] AcceptanceTerms terms(double depth, std::size_t unsearched_maps) const;
   /// All but the best.
   [[nodiscard]] std::vector<OtherPose> other_poses() const;
+  [[nodiscard]] double margin(double depth) const;
   [[nodiscard]] double margin_without_rivals(double depth) const;
   Candidate* find(std::size_t map, const Pose2& T_map_base_link);
 

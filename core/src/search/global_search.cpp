@@ -24,8 +24,8 @@ constexpr double kRareWay = 6.0;
 constexpr std::size_t kMaxPlacesPerMap = 64;
 constexpr std::size_t kMaxPlacesToAccept = 256;
 constexpr std::size_t kMaxCornerMatches = 4;  // new ones at a time
-// In units of WorkBudget: one candidate refined and scored, one map searched by corners.
-constexpr std::size_t kWorkPerCandidate = 20'000;
+// In units of WorkBudget: one hit of a candidate refined and scored, one map searched by corners.
+constexpr std::size_t kWorkPerHit = 100;
 constexpr std::size_t kWorkPerCornerLook = 100'000;
 // Rivals that are searched for when a pose may be accepted, per hit [nat].
 constexpr double kDecisionMargin = 0.2;
@@ -34,7 +34,6 @@ constexpr double kSeedMargin =
 constexpr double kCornerSlack = 0.15;  // by which the ends about one corner may misjudge it [nat]
 constexpr double kMirrorSlack = 0.1;  // by which the weights of a search may misjudge a place [nat]
 constexpr double kMinMirrorWeight = 0.1;  // of a mirror image that explains what was seen [nat]
-constexpr double kMirrorBudgets = 0.5;    // work of a search for it, in budgets of one scan
 constexpr double kMirrorLogOdds = 2.3;    // that what was seen must have against its image [nat]
 constexpr double kMirrorMargin = 0.05;    // by which what was seen must fit better than its image
 
@@ -91,6 +90,7 @@ void GlobalSearch::consider(const LocalizationMap& map, const View& view,
     if (!region_->contains(refined)) return;
   }
   candidates_.consider(map, view, candidate);
+  budget_.charge(kWorkPerHit * view.evidence.ends.size());
 }
 
 // --- proposals
@@ -158,9 +158,15 @@ void GlobalSearch::match_descriptors(Maps maps, const View& view, std::uint64_t 
 
 // --- verification
 
-void GlobalSearch::judge(Maps maps, const View& view) {
+void GlobalSearch::judge_again(Maps maps, const View& view) {
+  budget_ = WorkBudget(params_.search_budget_ms);
   candidates_.set_free_area(searched_area_m2(maps));
+  budget_.charge(kWorkPerHit * view.evidence.ends.size() * candidates_.all().size());
   candidates_.judge_again(maps, view);
+}
+
+void GlobalSearch::judge(Maps maps, const View& view) {
+  judge_again(maps, view);
   for (const Candidate& place : proposed_) consider(*maps[place.map], view, place);
   if (is_outdated(maps)) whole_.reset();
   if (!whole_) rival_margin_ = kRivalMargin;  // of no search yet
@@ -170,14 +176,16 @@ void GlobalSearch::search(Maps maps, const View& view) {
   if (!whole_ && search_due(maps, view)) begin_search(maps, view);
   searched_ = whole_ && continue_search(view);
   if (searched_) {
-    const bool is_hopeless = candidates_.empty() || !candidates_.may_be_accepted();
-    only_mirror_image_fits_ = is_hopeless && has_mirror_image(maps, view, searched_area_m2(maps));
+    is_mirror_search_due_ = candidates_.empty() || !candidates_.may_be_accepted();
+    only_mirror_image_fits_ = only_mirror_image_fits_ && is_mirror_search_due_;
   }
+  if (whole_ || !is_mirror_search_due_ || budget_.left() < half_budget()) return;
+  is_mirror_search_due_ = false;
+  only_mirror_image_fits_ = has_mirror_image(maps, view, searched_area_m2(maps));
 }
 
 bool GlobalSearch::review(Maps maps, const View& view, const Candidate& tracked, bool search_maps) {
-  candidates_.set_free_area(searched_area_m2(maps));
-  candidates_.judge_again(maps, view);
+  judge_again(maps, view);
   candidates_.consider(*maps[tracked.map], view, tracked);
   if (is_outdated(maps)) whole_.reset();
   if (!whole_ && search_maps) begin_search(maps, view);
@@ -222,9 +230,14 @@ void GlobalSearch::begin_pass() {
   whole_->searched_down_to = -std::numeric_limits<double>::infinity();
 }
 
+std::int64_t GlobalSearch::half_budget() const {
+  return WorkBudget(0.5 * params_.search_budget_ms).left();
+}
+
 bool GlobalSearch::continue_search(const View& view) {
-  WorkBudget budget(params_.search_budget_ms);
-  while (continue_pass(view, budget)) {
+  // Candidates with many hits leave little. So that the search ends, it gets half at least.
+  if (budget_.left() < half_budget()) budget_ = WorkBudget(0.5 * params_.search_budget_ms);
+  while (continue_pass(view)) {
     const bool is_deep_enough = candidates_.empty() || !candidates_.may_be_accepted() ||
                                 rival_margin_ >= margin_to_look_at();
     if (is_deep_enough || whole_->is_second_pass) {
@@ -269,7 +282,7 @@ double GlobalSearch::best_mean() const {
 /// Searches all maps for poses that come near the best candidate, and near the best of these.
 /// Corners come first, so that a map where they find one is searched whole, too: no pose may be
 /// accepted in a map whose other poses were not searched.
-bool GlobalSearch::continue_pass(const View& view, WorkBudget& budget) {
+bool GlobalSearch::continue_pass(const View& view) {
   WholeSearch& whole = *whole_;
   const double least_by_corners = whole.best - margin_to_look_at();
   while (whole.is_by_corners) {
@@ -283,19 +296,19 @@ bool GlobalSearch::continue_pass(const View& view, WorkBudget& budget) {
     whole.order.pop_back();
     if (!asks_corners_of(map, whole.maps, whole.view)) continue;
     look_by_corners(map, view, least_by_corners);
-    budget.charge(kWorkPerCornerLook);
-    if (budget.is_spent()) return false;
+    budget_.charge(kWorkPerCornerLook);
+    if (budget_.is_spent()) return false;
   }
   for (; !whole.order.empty(); whole.order.pop_back()) {
     const std::size_t map = whole.order.back();
     if (!may_be_in(*whole.maps[map]) || asks_corners_of(map, whole.maps, whole.view)) continue;
-    if (!search_map(map, view, budget)) return false;
+    if (!search_map(map, view)) return false;
   }
   rival_margin_ = std::min(kRivalMargin, whole.best - whole.searched_down_to);
   return true;
 }
 
-bool GlobalSearch::search_map(std::size_t map, const View& view, WorkBudget& budget) {
+bool GlobalSearch::search_map(std::size_t map, const View& view) {
   WholeSearch& whole = *whole_;
   std::optional<Look>& look = whole.looks[map];
   if (!look) {
@@ -308,14 +321,13 @@ bool GlobalSearch::search_map(std::size_t map, const View& view, WorkBudget& bud
   };
   while (look->places < kMaxPlacesPerMap || look->places < max_places()) {
     least = whole.best - margin_to_look_at();
-    const std::optional<Place> place = look->run.next(least, budget);
+    const std::optional<Place> place = look->run.next(least, budget_);
     if (place) {
       ++look->places;
       whole.best = std::max(whole.best, place->mean_weight);
       consider(*whole.maps[map], view, {map, place->T_map_base_link * whole.motion, 0, 0, {}});
-      budget.charge(kWorkPerCandidate);
     }
-    if (budget.is_spent()) return false;
+    if (budget_.is_spent()) return false;
     if (!place) break;
   }
   whole.searched_down_to = std::max({whole.searched_down_to, least, look->run.bound()});
@@ -371,18 +383,17 @@ double GlobalSearch::optimistic_mean(Maps maps, const View& view, const Candidat
 
 /// Whether a map explains the mirror image of what was seen, and clearly better than the best
 /// candidate explains what was seen.
-bool GlobalSearch::has_mirror_image(Maps maps, const View& view, double free_area_m2) const {
+bool GlobalSearch::has_mirror_image(Maps maps, const View& view, double free_area_m2) {
   if (maps.size() > kFewMaps && !region_) return false;
   const View image = mirrored(view);
   const PlaceSearchParams search{.region =
                                      region_ ? std::optional(region_->mirrored()) : std::nullopt};
   Candidates images(params_.acceptance);
   images.set_free_area(free_area_m2);
-  WorkBudget budget(kMirrorBudgets * params_.search_budget_ms);
   for (std::size_t map = 0; map < maps.size(); ++map) {
     if (!may_be_in(*maps[map])) continue;
     PlaceSearch::Run run(maps[map]->index().place_search, image.evidence.ends, image.way, search);
-    if (const auto place = run.next(kMinMirrorWeight, budget))
+    if (const auto place = run.next(kMinMirrorWeight, budget_))
       images.consider(*maps[map], image, {map, place->T_map_base_link, 0, 0, {}});
   }
   if (images.empty()) return false;

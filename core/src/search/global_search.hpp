@@ -132,6 +132,10 @@ class GlobalSearch {
     double region_m2 = 0.0;  ///< Of the region.
   };
 
+  /// Begins the budget of a scan.
+  void judge_again(Maps maps, const View& view);
+  /// In units of WorkBudget.
+  [[nodiscard]] std::int64_t half_budget() const;
   void match_corners(Maps maps, const View& view, std::uint64_t seed);
   void match_descriptors(Maps maps, const View& view, std::uint64_t seed);
   [[nodiscard]] bool is_due(const Moment& last, const View& view, double growth,
@@ -148,13 +152,13 @@ class GlobalSearch {
   /// Continues the search within the budget of one scan. Returns whether it ended.
   bool continue_search(const View& view);
   /// Continues one pass over the maps. Returns whether it ended.
-  bool continue_pass(const View& view, WorkBudget& budget);
+  bool continue_pass(const View& view);
   /// Returns whether the map was searched to the end.
-  bool search_map(std::size_t map, const View& view, WorkBudget& budget);
+  bool search_map(std::size_t map, const View& view);
   [[nodiscard]] bool asks_corners_of(std::size_t map, Maps maps, const View& view) const;
   void look_by_corners(std::size_t map, const View& view, double min_mean_weight);
   [[nodiscard]] double margin_to_look_at() const;
-  [[nodiscard]] bool has_mirror_image(Maps maps, const View& view, double free_area_m2) const;
+  [[nodiscard]] bool has_mirror_image(Maps maps, const View& view, double free_area_m2);
   [[nodiscard]] std::vector<std::size_t> likeliest_last(std::size_t maps) const;
   /// The weight of a candidate in a search.
   [[nodiscard]] static double optimistic_mean(Maps maps, const View& view, const Candidate& place);
@@ -170,6 +174,8 @@ class GlobalSearch {
   Moment matched_;
   Moment searched_at_;
   bool searched_ = false;
+  WorkBudget budget_;  ///< Of the present scan.
+  bool is_mirror_search_due_ = false;
   bool only_mirror_image_fits_ = false;
   double rival_margin_ = kRivalMargin;  ///< Farther below the best, a hit, none was looked for.
 };

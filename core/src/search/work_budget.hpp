@@ -21,6 +21,7 @@ class WorkBudget {
 
   void charge(std::size_t units) { left_ -= static_cast<std::int64_t>(units); }
   [[nodiscard]] bool is_spent() const { return left_ <= 0; }
+  [[nodiscard]] std::int64_t left() const { return left_; }
 
  private:
   static constexpr double kMost = 1e18;
