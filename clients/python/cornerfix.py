@@ -30,7 +30,8 @@ import re
 import ssl
 import time
 import uuid
-from dataclasses import asdict, dataclass, field, fields
+import zlib
+from dataclasses import asdict, astuple, dataclass, field, fields
 from typing import (
     Any,
     Callable,
@@ -971,12 +972,13 @@ def read_log(path: PathLike) -> Iterator[Scan]:
     """The scans of a recorded run: JSON lines (docs/logs.md), or FLASER messages of a CARMEN log.
 
     Both may be packed with gzip. Odometry and poses of a log are those of the laser, so the mount
-    is zero. Lines that cannot be read raise LogError; a file that is cut off ends there. The
-    command `cornerfix replay` reads more kinds of logs, and bags.
+    is zero. Of several lidars (`lidar`), the scans of the first one are taken. Lines that cannot be
+    read raise LogError; a file that is cut off ends there. The command `cornerfix replay` reads
+    more kinds of logs, and bags.
     """
     opener = gzip.open if _is_gzip(path) else open
-    with opener(path, "rt", encoding="utf-8") as lines:  # type: ignore[operator]
-        numbered = enumerate(_whole_lines(lines), start=1)
+    with opener(path, "rt", encoding="utf-8-sig") as lines:  # type: ignore[operator]
+        numbered = enumerate(_whole_lines(lines, path), start=1)
         first = next(((number, line) for number, line in numbered if line.strip()), None)
         if first is None:
             raise LogError(f"{path}: holds no whole line")
@@ -989,27 +991,37 @@ def _is_gzip(path: PathLike) -> bool:
         return file.read(2) == b"\x1f\x8b"
 
 
-def _whole_lines(lines: Iterable[str]) -> Iterator[str]:
+def _whole_lines(lines: Iterable[str], path: PathLike) -> Iterator[str]:
     try:
         for line in lines:
             if line.endswith("\n") or line.rstrip().endswith("}"):
                 yield line
     except EOFError:
         return  # A gzip file that is cut off.
+    except UnicodeDecodeError as error:
+        raise LogError(f"{path}: expected text in UTF-8: {error}") from error
+    except (gzip.BadGzipFile, zlib.error) as error:
+        raise LogError(f"{path}: the gzip file is damaged: {error}") from error
 
 
 def _json_lines(lines: Iterable[Tuple[int, str]], path: PathLike) -> Iterator[Scan]:
     header: Optional[Json] = None
+    lidars: List[Optional[str]] = []  # Of the first scan.
     for number, line in lines:
         if not line.strip():
             continue
         try:
             members = json.loads(line)
-            if header is None:
+            # A log that was appended has a header of its own.
+            if header is None or not {"t", "ranges"} & members.keys():
                 header = members
                 lidar = _lidar_of(header)
-            else:
-                yield _json_scan(members, header, lidar)
+                if "ranges" not in members:  # Else each scan has its geometry.
+                    continue
+            scan = _json_scan(members, header, lidar)
+            lidars = lidars or [members.get("lidar")]
+            if members.get("lidar") == lidars[0]:
+                yield scan
         except KeyError as error:
             raise LogError(f"{path}, line {number}: {error.args[0]}: missing") from error
         except (AttributeError, TypeError, ValueError) as error:
@@ -1018,7 +1030,10 @@ def _json_lines(lines: Iterable[Tuple[int, str]], path: PathLike) -> Iterator[Sc
 
 def _lidar_of(members: Json) -> Lidar:
     return Lidar(
-        members["angle_min"], members["angle_increment"], members["range_min"], members["range_max"]
+        members["angle_min"],
+        members["angle_increment"],
+        members.get("range_min", 0.0),
+        members["range_max"],
     )
 
 
@@ -1042,7 +1057,11 @@ def _json_scan(members: Json, header: Json, lidar: Lidar) -> Scan:
 def _pose_or_none(values: Optional[Sequence[float]]) -> Optional[Pose]:
     if values is None:
         return None
-    if not isinstance(values, list) or len(values) != 3 or not all(map(_is_finite, values)):
+    if not isinstance(values, list) or len(values) != 3:
+        raise ValueError(f"{values!r}, expected [x, y, yaw] or null")
+    if any(value is None or value != value for value in values):
+        return None  # As odometry that is lost.
+    if not all(map(_is_finite, values)):
         raise ValueError(f"{values!r}, expected [x, y, yaw] or null")
     x, y, yaw = values
     return Pose(float(x), float(y), wrap_angle(yaw))
@@ -1060,7 +1079,7 @@ def _carmen(lines: Iterable[Tuple[int, str]], path: PathLike) -> Iterator[Scan]:
             if words[:1] == ["PARAM"] and len(words) >= 3:
                 params[words[1]] = words[2]
             elif words[:1] == ["FLASER"]:
-                yield _carmen_scan([float(word) for word in words[1:] if _is_number(word)], params)
+                yield _carmen_scan(words[1:], params)
                 found = True
         except (IndexError, ValueError) as error:
             raise LogError(f"{path}, line {number}: FLASER: {error}") from error
@@ -1068,12 +1087,15 @@ def _carmen(lines: Iterable[Tuple[int, str]], path: PathLike) -> Iterator[Scan]:
         raise LogError(f"{path}: neither JSON lines nor a CARMEN log with FLASER messages")
 
 
-def _carmen_scan(numbers: Sequence[float], params: Mapping[str, str]) -> Scan:
+def _carmen_scan(words: Sequence[str], params: Mapping[str, str]) -> Scan:
     """num_readings [ranges] x y theta odom_x odom_y odom_theta stamp …: laser, then robot."""
-    beams = int(numbers[0])
-    ranges, rest = numbers[1 : 1 + beams], numbers[1 + beams :]
-    if beams < 2 or len(rest) < 7:
+    beams = int(words[0])
+    if beams < 2 or not 8 <= len(words) - beams <= 10:  # Host and logger_timestamp may follow.
         raise ValueError(f"expected {beams} ranges, two poses and a stamp")
+    ranges = [float(word) for word in words[1 : 1 + beams]]
+    rest = [float(word) for word in words[1 + beams : 8 + beams]]
+    if not all(map(_is_finite, rest)):
+        raise ValueError("expected finite numbers in poses and stamp")
     view = math.radians(float(params.get("laser_front_laser_fov", 180.0)))
     range_max = min(
         _CARMEN_RANGE_MAX_M, float(params.get("robot_front_laser_max", _CARMEN_RANGE_MAX_M))
@@ -1099,10 +1121,3 @@ def _carmen_scan(numbers: Sequence[float], params: Mapping[str, str]) -> Scan:
 
 def _is_same(a: Pose, b: Pose) -> bool:
     return math.hypot(a.x - b.x, a.y - b.y) <= 1e-4 and abs(wrap_angle(a.yaw - b.yaw)) <= 1e-4
-
-
-def _is_number(word: str) -> bool:
-    try:
-        return math.isfinite(float(word))
-    except ValueError:
-        return False

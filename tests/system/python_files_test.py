@@ -60,6 +60,54 @@ class LogTest(unittest.TestCase):
         self.path.write_bytes(packed[: len(packed) // 2])
         self.assertGreater(len(list(read_log(self.path))), 1000)
 
+    def test_passes_over_a_byte_order_mark(self):
+        text = json.dumps(self.HEADER) + '\n{"t": 1, "ranges": [1, 2]}\n'
+        self.path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+        self.assertEqual([scan.stamp for scan in read_log(self.path)], [1.0])
+
+    def test_reads_a_scan_whose_odometry_is_lost(self):
+        scans = self.read(
+            json.dumps(self.HEADER),
+            '{"t": 1, "ranges": [1, 2], "odom": [NaN, 0, 0]}',
+            '{"t": 2, "ranges": [1, 2], "odom": [null, 0, 0]}',
+        )
+        self.assertEqual([scan.odom for scan in scans], [None, None])
+
+    def test_reads_a_log_without_a_header_and_one_that_was_appended(self):
+        own = '{"t": %d, "ranges": [1, 2], "angle_min": 0, "angle_increment": 1, "range_max": 9}'
+        self.assertEqual([scan.stamp for scan in self.read(own % 1, own % 2)], [1.0, 2.0])
+        line = '{"t": %d, "ranges": [1, 2]}'
+        other = json.dumps({**self.HEADER, "angle_min": 0.5})
+        scans = self.read(json.dumps(self.HEADER), line % 1, other, line % 2)
+        self.assertEqual([scan.lidar.angle_min for scan in scans], [0, 0.5])
+
+    def test_takes_the_scans_of_the_first_lidar(self):
+        line = '{"t": %d, "ranges": [1, 2], "lidar": "%s"}'
+        scans = self.read(
+            json.dumps(self.HEADER), line % (1, "front"), line % (2, "rear"), line % (3, "front")
+        )
+        self.assertEqual([scan.stamp for scan in scans], [1.0, 3.0])
+
+    def test_takes_nan_of_a_carmen_log_for_no_return(self):
+        (scan,) = self.read("FLASER 3 1.5 nan inf 1 2 0 3 4 0 7.5 host 8.5")
+        self.assertEqual((scan.stamp, scan.odom, scan.pose), (7.5, Pose(3, 4, 0), Pose(1, 2, 0)))
+        self.assertEqual(scan.ranges, [1.5, None, None])
+
+    def test_refuses_a_carmen_scan_of_another_number_of_ranges(self):
+        for wrong in ("FLASER 2 1 2 3 0 0 0 0 0 0 7.5 host 8.5", "FLASER 4 1 2 3 0 0 0 0 0 0 7.5"):
+            with self.subTest(wrong), self.assertRaisesRegex(LogError, "line 1: FLASER: expected"):
+                self.read(wrong)
+
+    def test_names_a_file_that_is_no_text_or_damaged(self):
+        packed = gzip.compress((json.dumps(self.HEADER) + "\n").encode() * 50)
+        for content, what in (
+            (b'{"name": "B\xfcro"}\n', "expected text in UTF-8"),
+            (packed[:20] + b"\0\0\0\0" + packed[24:], "the gzip file is damaged"),
+        ):
+            self.path.write_bytes(content)
+            with self.subTest(what), self.assertRaisesRegex(LogError, what):
+                list(read_log(self.path))
+
     def test_refuses_a_file_that_is_no_log(self):
         with self.assertRaisesRegex(LogError, "neither JSON lines nor a CARMEN log"):
             self.read("hello")
