@@ -172,6 +172,11 @@ class Lidar:
         mount = {**asdict(self.mount), **{name: angle for name, angle in tilt.items() if angle}}
         return {**self.geometry(), "mount": mount}
 
+    def is_finite(self) -> bool:
+        """All but `range_max`, which may be no limit."""
+        angles = (self.angle_min, self.angle_increment, self.roll, self.pitch)
+        return all(map(_is_finite, (*angles, self.range_min, *astuple(self.mount))))
+
     def geometry(self) -> Json:
         return {
             "angle_min": self.angle_min,
@@ -224,6 +229,12 @@ class Scan:
         for name, value, kind in (("lidar", self.lidar, Lidar), ("odom", self.odom, Pose)):
             if value is not None and not isinstance(value, kind):
                 raise ValueError(f"{name}: {value!r}, expected a {kind.__name__} or None")
+        if self.odom and not all(map(_is_finite, astuple(self.odom))):
+            raise ValueError(f"odom: {self.odom!r}, expected finite numbers, or None for none")
+        if self.lidar and not self.lidar.is_finite():
+            raise ValueError(f"lidar: {self.lidar!r}, expected finite numbers but of range_max")
+        if self.time_increment is not None and not _is_finite(self.time_increment):
+            raise ValueError(f"time_increment: {self.time_increment!r}, expected seconds or None")
 
     def to_json(self, lidar: Optional[Lidar]) -> Json:
         """Without the pose, and without geometry and mount if they are those of `lidar`, which the
@@ -372,6 +383,13 @@ def _session(body: Json) -> Session:
 
 def _is_finite(number: object) -> bool:
     return isinstance(number, numbers.Real) and math.isfinite(number)
+
+
+def _plain_number(number: object) -> float:
+    """Of a number that the module json does not know, as numpy.float32."""
+    if isinstance(number, numbers.Real):
+        return float(number)
+    raise TypeError(f"{number!r} is no number that JSON has")
 
 
 def _number_or_none(number: Optional[float]) -> Optional[float]:
@@ -611,7 +629,7 @@ class Client:
         if body is None:
             return self.request(method, path).json()
         members = {name: value for name, value in body.items() if value is not None}
-        text = json.dumps(members, separators=(",", ":"), allow_nan=False)
+        text = json.dumps(members, separators=(",", ":"), allow_nan=False, default=_plain_number)
         return self.request(method, path, text.encode(), "application/json").json()
 
     def request(
@@ -637,8 +655,10 @@ class Client:
             except (OSError, http.client.HTTPException) as error:
                 failure = Unreachable(f"no answer from {self.url}: {error or type(error).__name__}")
             else:
-                if reply.status < 400:
+                if reply.status < 300:
                     return reply
+                if reply.status < 400:
+                    raise CornerfixError(_redirection(self.url, reply))
                 failure = reply.problem()
                 if reply.status not in _RETRIED:
                     raise failure
@@ -671,6 +691,11 @@ class Client:
             token = page.get("next_page_token")
             if not token:
                 return
+
+
+def _redirection(url: str, reply: _Reply) -> str:
+    target = reply.headers.get("Location", "another place")
+    return f"{url} answers {reply.status}, a redirection to {target}: use the URL of that server"
 
 
 def _backoff_s(attempt: int) -> float:
@@ -916,11 +941,11 @@ class Robot:
             self._create_session(self._in_flight[0].lidar)
         try:
             scans = [scan.to_json(self._known_lidar(scan)) for scan in self._in_flight]
+            assert self.session is not None
+            return self.client.post_scans(self.session, self._sequence, scans)
         except (TypeError, ValueError):  # A range that is no number.
             self._in_flight = []
             raise
-        assert self.session is not None
-        return self.client.post_scans(self.session, self._sequence, scans)
 
     def _known_lidar(self, scan: Scan) -> Optional[Lidar]:
         """The session's own, which a scan need not repeat."""

@@ -2,6 +2,7 @@
 """The Python client against a stub that misbehaves."""
 import dataclasses
 import email.utils
+import fractions
 import math
 import sys
 import time
@@ -115,6 +116,13 @@ class ErrorTest(unittest.TestCase):
         with Stub(reply) as stub, self.assertRaisesRegex(Problem, "/yaml/negate: expected 0 or 1"):
             Client(stub.url).map("a")
 
+    def test_names_the_target_of_a_redirection(self):
+        moved = (301, {"Location": "https://robots.example/v1/maps/a"}, b"<html>")
+        with Stub(moved) as stub, self.assertRaisesRegex(
+            CornerfixError, "answers 301, a redirection to https://robots.example"
+        ):
+            Client(stub.url).delete_map("a")
+
     def test_refuses_an_url_without_a_host(self):
         with self.assertRaisesRegex(ValueError, "expected http://HOST:PORT"):
             Client("robot:8080")
@@ -176,6 +184,10 @@ class SequenceTest(unittest.TestCase):
                 (Scan(1.0, [], LIDAR), "ranges: none"),
                 (Scan(1.0, [1.0], LIDAR, odom=(1, 2, 3)), "expected a Pose or None"),
                 (Scan(1.0, [1.0], {"angle_min": 1.0}), "expected a Lidar or None"),
+                (Scan(1.0, [1.0], LIDAR, odom=Pose(math.nan, 0, 0)), "odom: .* finite numbers"),
+                (Scan(1.0, [1.0], LIDAR, odom=Pose(0, 0, None)), "odom: .* finite numbers"),
+                (Scan(1.0, [1.0], dataclasses.replace(LIDAR, angle_min=math.inf)), "lidar: "),
+                (Scan(1.0, [1.0], LIDAR, time_increment=math.nan), "time_increment: nan"),
             ):
                 with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                     robot.add(wrong)
@@ -189,6 +201,16 @@ class SequenceTest(unittest.TestCase):
                 robot.add(Scan(1.0, ["far"], LIDAR))
             self.assertIsNotNone(robot.add(scan(2.0)))
             self.assertEqual(self.sent(stub), [(0, [2.0])])
+
+    def test_sends_numbers_of_other_libraries(self):
+        third = fractions.Fraction(1, 4)  # A numbers.Real that json does not know, as numpy's.
+        with Stub(self.CREATED, self.TAKEN) as stub:
+            Robot(stub.url, "r", batch=1).add(
+                Scan(third, [third], LIDAR, odom=Pose(third, third, third))
+            )
+            sent = stub.bodies()[-1]["scans"][0]
+        self.assertEqual((sent["stamp"], sent["ranges"]), (0.25, [0.25]))
+        self.assertEqual(sent["odom"], {"x": 0.25, "y": 0.25, "yaw": 0.25})
 
     def test_sends_the_geometry_and_mount_of_another_lidar(self):
         other = dataclasses.replace(LIDAR, mount=Pose(0.2, 0.0, 0.0), roll=math.pi)
