@@ -3,6 +3,8 @@
 #include <simdjson.h>
 #include <algorithm>
 #include <limits>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace cornerfix::api {
@@ -16,6 +18,16 @@ Problem too_large(std::string pointer, const std::string& detail) {
   Problem problem = make_problem(ErrorCode::kTooLarge, pointer + ": " + detail);
   problem.errors.push_back({std::move(pointer), detail});
   return problem;
+}
+
+/// ": CBOR value: invalid byte: 0xF7" of a message of the library; empty for another message.
+std::string reason_of(std::string_view message) {
+  constexpr std::string_view kFront = "syntax error while parsing ";
+  const auto found = message.find(kFront);
+  if (found == std::string_view::npos) return "";
+  std::string reason = ": " + std::string(message.substr(found + kFront.size()));
+  if (reason.find("CBOR value: invalid byte") == std::string::npos) return reason;
+  return reason + ", where tags and undefined are not read";
 }
 
 }  // namespace
@@ -86,9 +98,10 @@ bool DocumentBuilder::start_array(std::size_t /*size*/) {
 bool DocumentBuilder::end_array() { return close(); }
 
 bool DocumentBuilder::parse_error(std::size_t position, const std::string& /*token*/,
-                                  const nlohmann::json::exception& /*error*/) {
-  return fail(make_problem(ErrorCode::kMalformed,
-                           "The body cannot be read from byte " + std::to_string(position) + "."));
+                                  const nlohmann::json::exception& error) {
+  return fail(make_problem(ErrorCode::kMalformed, "The body cannot be read from byte " +
+                                                      std::to_string(position) +
+                                                      reason_of(error.what()) + "."));
 }
 
 bool DocumentBuilder::fail(Problem problem) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace cornerfix::api {
@@ -122,6 +123,25 @@ std::string hint_for(std::string_view text) {
   return "";
 }
 
+std::string without_period(std::string text) {
+  while (text.ends_with('.') || text.ends_with(' ')) text.pop_back();
+  return text;
+}
+
+/// " at byte 17: ,]}" where the document stopped being JSON.
+std::string place_in(const simdjson::padded_string& text, ondemand::document& document) {
+  constexpr std::size_t kLongest = 20;
+  const char* location = nullptr;
+  if (document.current_location().get(location) != simdjson::SUCCESS) return " at its end";
+  const std::string_view all = text;
+  const auto at = static_cast<std::size_t>(location - all.data());
+  if (at >= all.size()) return " at its end";
+  std::string rest(all.substr(at, kLongest));
+  const auto is_plain = [](char c) { return c >= ' ' && c <= '~'; };
+  rest.erase(std::ranges::find_if_not(rest, is_plain), rest.end());
+  return " at byte " + std::to_string(at) + (rest.empty() ? "" : ": " + rest);
+}
+
 bool malformed(const std::string& why, DocumentBuilder& builder) {
   return builder.fail(make_problem(ErrorCode::kMalformed, "The body is not JSON: " + why));
 }
@@ -129,10 +149,12 @@ bool malformed(const std::string& why, DocumentBuilder& builder) {
 }  // namespace
 
 bool read_json(std::string_view text, DocumentBuilder& builder) {
+  const simdjson::padded_string padded(text);
+  ondemand::parser parser;
+  // Nothing while it is searched for strings that never end and for what is no UTF-8.
+  std::optional<ondemand::document> opened;
   try {
-    const simdjson::padded_string padded(text);
-    ondemand::parser parser;
-    ondemand::document document = parser.iterate(padded);
+    ondemand::document& document = opened.emplace(parser.iterate(padded));
     // A lone number or string is no request; simdjson has no generic value for it.
     if (document.is_scalar()) {
       if (!nlohmann::json::accept(text)) return malformed("it must be an object", builder);
@@ -140,11 +162,12 @@ bool read_json(std::string_view text, DocumentBuilder& builder) {
     }
     if (!walk(document.get_value(), builder)) return false;
     if (document.current_location().error() != simdjson::OUT_OF_BOUNDS) {
-      return malformed("there is more after its end", builder);
+      return malformed("there is more after its end" + place_in(padded, document), builder);
     }
     return true;
   } catch (const simdjson::simdjson_error& error) {
-    return malformed(error.what() + hint_for(text), builder);
+    const std::string place = opened ? place_in(padded, *opened) : "";
+    return malformed(without_period(error.what()) + place + "." + hint_for(text), builder);
   }
 }
 

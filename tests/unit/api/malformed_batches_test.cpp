@@ -249,6 +249,17 @@ TEST(UnparsableBody, IsNamedForWhatItIs) {
   EXPECT_THAT(fault_of(R"({"header": {"stamp": {"nanosec": 1,}}})"), Not(HasSubstr("NaN")));
 }
 
+TEST(UnparsableBody, IsNamedWithThePlace) {
+  EXPECT_THAT(fault_of(R"({"sequence": 0, "scans": [{"stamp": 1, "ranges": [1, 2,]}]})"),
+              HasSubstr(" at byte 55: ]}]}"));
+  EXPECT_THAT(fault_of(R"({"sequence": 0,})"), HasSubstr(" at byte 15: }"));
+  EXPECT_THAT(fault_of(R"({"sequence": None})"), HasSubstr(" at byte 13: None}"));
+  EXPECT_THAT(fault_of(R"({"sequence": 0} {})"),
+              HasSubstr("there is more after its end at byte 16: {}"));
+  EXPECT_THAT(fault_of("{\"sequence\": 01, \"a\": \"\xC3\xBC\"}"), HasSubstr(" at byte 13: 01, "));
+  EXPECT_EQ(fault_of(R"({"sequence": 0)").find(" at byte"), std::string::npos);
+}
+
 TEST(StampInMilliseconds, IsAskedFor) {
   EXPECT_THAT(fault_of(session_batch(R"({"stamp": 1700000000000, "ranges": [1, 2, 3]})")),
               HasSubstr("from -1e12 to 1e12: are these milli- or nanoseconds?"));

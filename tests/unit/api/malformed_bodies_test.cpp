@@ -259,6 +259,19 @@ INSTANTIATE_TEST_SUITE_P(Broken, BinaryBody, ::testing::ValuesIn(broken_bodies()
                            return std::string(tested.param.name);
                          });
 
+TEST(BinaryBody, IsNamedForWhatCannotBeRead) {
+  const auto detail_of = [](const std::string& body, BodyFormat format) {
+    return std::get<Problem>(parse_put_map(body, format)).detail;
+  };
+  EXPECT_EQ(detail_of("\xa1\x61x\xf7", BodyFormat::kCbor),
+            "The body cannot be read from byte 4: CBOR value: invalid byte: 0xF7, where tags and "
+            "undefined are not read.");
+  EXPECT_EQ(detail_of("\xa1\x61x", BodyFormat::kCbor),
+            "The body cannot be read from byte 4: CBOR value: unexpected end of input.");
+  EXPECT_EQ(detail_of("\xc1", BodyFormat::kMessagePack),
+            "The body cannot be read from byte 1: MessagePack value: invalid byte: 0xC1.");
+}
+
 TEST(BinaryRoot, MustBeAnObject) {
   for (const BodyFormat format : {BodyFormat::kCbor, BodyFormat::kMessagePack}) {
     expect_problem(parse_put_map(encode_as(nlohmann::json::array(), format), format), 422);
