@@ -196,18 +196,27 @@ Result<PointCloudMessage> parse_point_cloud(std::span<const std::byte> bytes, Wi
   const bool is_big_endian = reader.number<std::uint8_t>() != 0;
   const std::uint64_t point_step = reader.number<std::uint32_t>();
   const std::uint64_t stated_row_step = reader.number<std::uint32_t>();
-  // Some drivers leave the step of a row at 0.
-  const std::uint64_t row_step =
-      height == 1 || stated_row_step == 0 ? width * point_step : stated_row_step;
   const std::span<const std::byte> data = reader.bytes(reader.count(1));
+  // Some drivers leave the step of a row at 0, or put the width or the size of all rows there.
+  const std::uint64_t row_bytes = width * point_step;
+  const bool is_packed =
+      row_bytes > 0 && data.size() % row_bytes == 0 && data.size() / row_bytes == height;
+  const std::uint64_t row_step =
+      height == 1 || stated_row_step == 0 || is_packed ? row_bytes : stated_row_step;
   if (!reader.ok()) return malformed("PointCloud2: ends too early");
   if (!fields) return malformed("PointCloud2: expected fields x, y, z of float32 or float64");
+  // A product of height and row_step may be beyond 64 bits.
   const bool fits = height == 0 || width == 0 ||
-                    (width * point_step <= row_step && height * row_step <= data.size() &&
+                    (0 < row_bytes && row_bytes <= row_step && height <= data.size() / row_step &&
                      std::ranges::all_of(*fields, [&](const CloudField& field) {
                        return field.offset + field.bytes <= point_step;
                      }));
-  if (!fits) return malformed("PointCloud2: its sizes do not go together");
+  if (!fits) {
+    return malformed("PointCloud2: " + std::to_string(data.size()) +
+                     " bytes of data, where height " + std::to_string(height) + ", width " +
+                     std::to_string(width) + ", point_step " + std::to_string(point_step) +
+                     " and row_step " + std::to_string(stated_row_step) + " do not fit");
+  }
   PointCloudMessage cloud{header.frame, header.stamp, {}};
   for (std::uint64_t row = 0; row < height; ++row) {
     for (std::uint64_t column = 0; column < width; ++column) {

@@ -131,6 +131,40 @@ TEST_F(BagReading, LeavesOutAScanWhoseStampIsNoTime) {
                                   "s: not between those of the scans before and behind it"));
 }
 
+/// A cloud of three points ahead, in rows of one point each, whose row_step is this.
+std::string cloud_of_rows(std::uint32_t height, std::uint32_t width, std::uint32_t row_step) {
+  constexpr std::uint8_t kFloat32 = 7;
+  constexpr std::uint32_t kPointStep = 16;
+  WireWriter writer(kCdr);
+  writer.header(1.0, "laser").number(height).number(width).number(std::uint32_t{3});
+  std::uint32_t offset = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    writer.text(name).number(offset).number(kFloat32).number(std::uint32_t{1});
+    offset += sizeof(float);
+  }
+  writer.number(std::uint8_t{0}).number(kPointStep).number(row_step).number(3 * kPointStep);
+  for (const float y : {-1.0F, 0.0F, 1.0F}) {
+    for (const float value : {2.0F, y, 0.0F, 0.0F}) writer.number(value);
+  }
+  return writer.number(std::uint8_t{1}).bytes();
+}
+
+TEST_F(BagReading, ReadsAPointCloudWhoseRowStepIsWrong) {
+  const auto message = [](std::uint32_t height, std::uint32_t width, std::uint32_t row_step) {
+    return WrittenMessage{1.0, "/points", "sensor_msgs/msg/PointCloud2",
+                          cloud_of_rows(height, width, row_step)};
+  };
+  for (const std::uint32_t row_step : {0U, 1U, 16U, 48U}) {
+    const RecordedLog log = read(directory_.write("a.mcap", mcap({{message(3, 1, row_step)}}, "")));
+    ASSERT_THAT(log.scans, SizeIs(1)) << row_step;
+    EXPECT_THAT(returns_as_points(log.scans[0].scan), SizeIs(3)) << row_step;
+  }
+  // The product of these sizes is 0 in 64 bits.
+  const auto wrong =
+      LogReader::open(directory_.write("a.mcap", mcap({{message(1U << 30U, 1U << 30U, 0)}}, "")));
+  EXPECT_THAT(wrong.error().message, HasSubstr("48 bytes of data, where height 1073741824"));
+}
+
 TEST_F(BagReading, ReadsARos1BagThatWasNeverClosed) {
   // The recorder writes the size of a chunk when it is full: until then it is 0.
   std::string bag = ros1_bag({messages_of(drive(kRos1, 20))}, "none");
