@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <deque>
 #include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -138,10 +139,36 @@ class BagLog final : public LogSource {
   }
 
   void wait(const RecordedMessage& message, LaserScanMessage scan, bool is_level) {
+    if (!is_of_the_lidar(scan.frame, message.received)) return;
     if (scan.scan.stamp == 0.0) scan.scan.stamp = message.received;
     separated_.place(scan.scan, message.received);
     scan_stamps_.add(scan.scan.stamp);
     waiting_.push_back({std::move(scan), message.received, message.where, is_level});
+  }
+
+  /// Two lidars may publish on one topic, each in its frame. The one that came first is taken; when
+  /// it comes no more, its frame may have got another name.
+  bool is_of_the_lidar(const std::string& frame, double received) {
+    constexpr double kGoneSeconds = 2.0;
+    const bool is_other = !frame.empty() && !lidar_frame_.empty() && frame != lidar_frame_;
+    if (is_other && std::abs(received - lidar_seen_) <= kGoneSeconds) {
+      ++scans_of_other_frames_[frame];
+      return false;
+    }
+    if (!frame.empty()) lidar_frame_ = frame;
+    lidar_seen_ = received;
+    return true;
+  }
+
+  /// "scans of /scan in the frame front only, not in rear (120)"
+  void note_other_frames() {
+    std::string others;
+    for (const auto& [frame, scans] : scans_of_other_frames_) {
+      others += (others.empty() ? "" : ", ") + frame + " (" + std::to_string(scans) + ")";
+    }
+    if (others.empty()) return;
+    notes_.push_back("scans of " + topics_.scans + " in the frame " + lidar_frame_ +
+                     " only, not in " + others + ": expected one lidar per topic");
   }
 
   void take_odometry(const RecordedMessage& message, LogFaults& faults) {
@@ -221,6 +248,7 @@ class BagLog final : public LogSource {
 
   void end() {
     is_at_end_ = true;
+    note_other_frames();
     if (std::string note = separated_.note(); !note.empty()) notes_.push_back(std::move(note));
     if (scan_stamps_.is_empty()) notes_.push_back("its topics are " + list(messages_->topics()));
   }
@@ -283,6 +311,9 @@ class BagLog final : public LogSource {
   FrameTree frames_;
   RobotOdometry odometry_;
   SeparatedStamps separated_;
+  std::string lidar_frame_;  ///< Of the scans that are taken.
+  double lidar_seen_ = 0.0;  ///< When the last of them was recorded [s].
+  std::map<std::string, std::size_t> scans_of_other_frames_;
   std::deque<WaitingScan> waiting_;
   double now_ = 0.0;  ///< Of the recording [s].
   bool is_at_end_ = false;

@@ -14,6 +14,7 @@ namespace cornerfix::evaluation {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 TEST_F(BagReading, TakesOdometryAndMapThatTfHasBelowTheBase) {
@@ -129,6 +130,31 @@ TEST_F(BagReading, LeavesOutAScanWhoseStampIsNoTime) {
   for (const LogScan& scan : log.scans) EXPECT_FALSE(scan.begins_run);
   EXPECT_THAT(remarks_, HasSubstr("1 broken record left out, the first at stamp 400000000.000000 "
                                   "s: not between those of the scans before and behind it"));
+}
+
+TEST_F(BagReading, TakesOneOfTwoLidarsOfOneTopic) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 40; ++i) {
+    const double stamp = 1.0 + 0.1 * i;
+    messages.push_back({stamp, "/scan", "sensor_msgs/msg/LaserScan",
+                        laser_scan(kCdr, stamp, {1.0F, 2.0F, 3.0F + 0.1F * static_cast<float>(i)},
+                                   i % 2 == 0 ? "front" : "rear")});
+  }
+  EXPECT_THAT(read(directory_.write("a.mcap", mcap({messages}, ""))).scans, SizeIs(20));
+  EXPECT_THAT(remarks_, HasSubstr("scans of /scan in the frame front only, not in rear (20): "
+                                  "expected one lidar per topic"));
+}
+
+TEST_F(BagReading, GoesOnWithALidarWhoseFrameGotAnotherName) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 40; ++i) {
+    const double stamp = 1.0 + 0.1 * i + (i < 20 ? 0.0 : 5.0);
+    messages.push_back({stamp, "/scan", "sensor_msgs/msg/LaserScan",
+                        laser_scan(kCdr, stamp, {1.0F, 2.0F, 3.0F + 0.1F * static_cast<float>(i)},
+                                   i < 20 ? "laser" : "base_scan")});
+  }
+  EXPECT_THAT(read(directory_.write("a.mcap", mcap({messages}, ""))).scans, SizeIs(40));
+  EXPECT_THAT(remarks_, Not(HasSubstr("in the frame laser only")));
 }
 
 /// A cloud of three points ahead, in rows of one point each, whose row_step is this.
