@@ -140,7 +140,7 @@ class BagLog final : public LogSource {
 
   void wait(const RecordedMessage& message, LaserScanMessage scan, bool is_level) {
     if (!is_of_the_lidar(scan.frame, message.received)) return;
-    if (scan.scan.stamp == 0.0) scan.scan.stamp = message.received;
+    if (scan.scan.stamp == 0.0) scan.scan.stamp = message.received - topics_.clock_lead_s;
     separated_.place(scan.scan, message.received);
     scan_stamps_.add(scan.scan.stamp);
     waiting_.push_back({std::move(scan), message.received, message.where, is_level});

@@ -29,17 +29,24 @@ bool is_scan(MessageKind kind) {
 
 bool gives_scans(MessageKind kind) { return is_scan(kind) || kind == MessageKind::kPointCloud; }
 
+void look_at_stamp(double stamp, double received, SurveyedTopic& topic) {
+  if (stamp != 0.0 && !topic.clock_lead_s) topic.clock_lead_s = received - stamp;
+}
+
 /// Ignores messages that cannot be read.
 void look_at_scan(const RecordedMessage& message, SurveyedTopic& topic) {
   if (message.kind == MessageKind::kPointCloud) {
     const auto cloud = parse_point_cloud(message.bytes, message.format);
-    if (cloud) topic.beams = std::max(topic.beams, cloud->points.size());
+    if (!cloud) return;
+    topic.beams = std::max(topic.beams, cloud->points.size());
+    look_at_stamp(cloud->stamp, message.received, topic);
     return;
   }
   const auto scan = message.kind == MessageKind::kLaserScan
                         ? parse_laser_scan(message.bytes, message.format)
                         : parse_multi_echo_scan(message.bytes, message.format);
   if (!scan) return;
+  look_at_stamp(scan->scan.stamp, message.received, topic);
   const std::size_t beams = scan->scan.ranges.size();
   topic.beams = std::max(topic.beams, beams);
   topic.field_of_view = std::max(topic.field_of_view,
@@ -91,6 +98,14 @@ std::optional<std::string> choose_odometry(const SurveyedTopics& survey, const s
     return std::tuple(nearness(topic.name, scans), base_name(topic.name) == "odom", topic.messages);
   });
   return best == known.end() ? std::nullopt : std::optional(best->name);
+}
+
+/// Nothing where the scans are stamped by the clock of the recording.
+double clock_lead_of(const std::string& scans, const SurveyedTopics& survey) {
+  constexpr double kOneClock = 60.0;  // [s]
+  const auto topic = std::ranges::find(survey, scans, &SurveyedTopic::name);
+  const double lead = topic == survey.end() ? 0.0 : topic->clock_lead_s.value_or(0.0);
+  return std::abs(lead) < kOneClock ? 0.0 : lead;
 }
 
 /// The topic that a user means, who may leave out the slash in front.
@@ -216,6 +231,7 @@ BagTopics choose_topics(const BagSurvey& survey, const LogSelection& selection) 
   const auto fixed =
       std::ranges::find(known, topics.static_transforms.value_or(""), &SurveyedTopic::name);
   if (fixed != known.end()) topics.known_static_transforms = fixed->static_transforms;
+  topics.clock_lead_s = clock_lead_of(topics.scans, known);
   topics.is_out_of_order = survey.is_out_of_order;
   note_scans(known, topics);
   if (selection.odometry.empty()) {

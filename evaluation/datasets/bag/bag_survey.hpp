@@ -19,6 +19,8 @@ struct SurveyedTopic {
   std::size_t beams = 0;  ///< Most of the messages looked at; points of a cloud; 0 for other kinds.
   double field_of_view = 0.0;  ///< The widest of the scans looked at [rad].
   std::vector<StampedTransform> static_transforms = {};  ///< The first ones.
+  /// Of the recording before the first scan's stamp.
+  std::optional<double> clock_lead_s = std::nullopt;
 };
 
 /// In the order of their first messages.
@@ -43,6 +45,9 @@ struct BagTopics {
   std::optional<std::string> transforms;                  ///< "/robot1/tf".
   std::optional<std::string> static_transforms;           ///< "/robot1/tf_static".
   std::vector<StampedTransform> known_static_transforms;  ///< Of `static_transforms`.
+  /// By how much the clock of the recording is ahead of the one that stamps scans, where these are
+  /// two clocks: that of a simulation begins at 0 [s].
+  double clock_lead_s = 0.0;
   bool is_out_of_order = false;
   std::vector<std::string> notes;
 };

@@ -157,6 +157,20 @@ TEST_F(BagReading, GoesOnWithALidarWhoseFrameGotAnotherName) {
   EXPECT_THAT(remarks_, Not(HasSubstr("in the frame laser only")));
 }
 
+TEST_F(BagReading, TakesTheStampZeroOfASimulation) {
+  std::vector<WrittenMessage> messages;
+  for (int i = 0; i < 20; ++i) {
+    const double stamp = 0.1 * i;
+    messages.push_back(
+        {1e9 + stamp, "/scan", "sensor_msgs/msg/LaserScan",
+         laser_scan(kCdr, stamp, {1.0F, 2.0F, 3.0F + 0.1F * static_cast<float>(i)})});
+  }
+  const RecordedLog log = read(directory_.write("a.mcap", mcap({messages}, "")));
+  ASSERT_THAT(log.scans, SizeIs(20));
+  EXPECT_NEAR(log.scans[0].scan.stamp, 0.0, 1e-6);
+  for (const LogScan& scan : log.scans) EXPECT_FALSE(scan.begins_run);
+}
+
 /// A cloud of three points ahead, in rows of one point each, whose row_step is this.
 std::string cloud_of_rows(std::uint32_t height, std::uint32_t width, std::uint32_t row_step) {
   constexpr std::uint8_t kFloat32 = 7;
