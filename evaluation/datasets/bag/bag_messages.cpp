@@ -45,6 +45,13 @@ class TemporaryFile {
   fs::path path_;
 };
 
+bool holds_a_bag(const fs::path& path) {
+  constexpr std::string_view kFirstLetters = "#\x89S";  // #ROSBAG, MCAP, SQLite
+  const std::vector<std::byte> bytes = magic_bytes(path);
+  return !bytes.empty() &&
+         kFirstLetters.find(std::to_integer<char>(bytes.front())) != std::string_view::npos;
+}
+
 Result<Source> open_plain_file(const fs::path& path) {
   const std::vector<std::byte> bytes = magic_bytes(path);
   const char begin = bytes.empty() ? '\0' : std::to_integer<char>(bytes.front());
@@ -59,6 +66,12 @@ Result<Source> open_file(const fs::path& path) {
   const TemporaryFile unpacked;
   if (const auto done = decompress_file(path, unpacked.path()); !done) {
     return Error{done.error().code, done.error().message, path.string()};
+  }
+  if (!holds_a_bag(unpacked.path())) {
+    return Error{ErrorCode::kInvalidArgument,
+                 std::string("is packed with ") + (is_zstd(begin) ? "zstd" : "gzip") +
+                     " and holds no bag (.bag, .mcap, .db3): unpack it first",
+                 path.string()};
   }
   Result<Source> opened = open_plain_file(unpacked.path());
   if (opened) return opened;

@@ -137,8 +137,8 @@ class Mcap final : public MessageSource {
     const std::string_view topic = reader.text();
     const std::string_view encoding = reader.text();
     const auto type = types_.find(schema);
-    if (!reader.ok() || type == types_.end()) return;
-    channels_.add(id, topic, type->second, encoding);
+    if (!reader.ok()) return;
+    channels_.add(id, topic, type == types_.end() ? "without a schema" : type->second, encoding);
   }
 
   std::optional<RecordedMessage> message_of(WireReader& reader, const std::string& where) {

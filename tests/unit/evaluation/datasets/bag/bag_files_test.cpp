@@ -73,7 +73,9 @@ TEST_F(BagReading, SaysWhatIsWrongWithAPackedFile) {
       LogReader::open(directory_.write("a.mcap.zstd", packed.substr(0, packed.size() - 10)));
   EXPECT_THAT(cut.error().message, HasSubstr("the zstd file is cut off"));
   const auto text = LogReader::open(directory_.write("a.jsonl.zstd", zstd_packed("{}")));
-  EXPECT_THAT(text.error().message, HasSubstr("unpacked, it is no bag of ROS 2 that can be read"));
+  EXPECT_THAT(
+      text.error().message,
+      HasSubstr("is packed with zstd and holds no bag (.bag, .mcap, .db3): unpack it first"));
   EXPECT_EQ(text.error().field, (directory_.path() / "a.jsonl.zstd").string());
 }
 
@@ -140,6 +142,17 @@ TEST_F(BagReading, NamesAnEncodingThatItCannotRead) {
   const auto log = LogReader::open(directory_.write("a.mcap", bag));
   EXPECT_THAT(log.error().message,
               HasSubstr("/scan (sensor_msgs/msg/LaserScan as xml, 3 messages"));
+}
+
+TEST_F(BagReading, NamesTopicsWithoutASchema) {
+  std::string bag = mcap(drive(kCdr, 3), "");
+  for (std::size_t at = bag.find("sensor_msgs/msg/LaserScan"); at != std::string::npos;
+       at = bag.find("sensor_msgs/msg/LaserScan", at + 1)) {
+    const std::size_t record = at - 4 - 2 - 8 - 1;
+    if (bag[record] == '\x03') bag[record] = '\x0b';  // An index, which is passed over.
+  }
+  EXPECT_THAT(LogReader::open(directory_.write("a.mcap", bag)).error().message,
+              HasSubstr("/scan (without a schema, 3 messages"));
 }
 
 TEST_F(BagReading, GivesOdometryWithoutStampsTheTimeOfRecording) {
