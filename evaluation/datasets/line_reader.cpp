@@ -80,6 +80,7 @@ Result<bool> LineReader::next() {
     if (line_.starts_with("\xff\xfe") || line_.starts_with("\xfe\xff")) {
       return error("is text in UTF-16, expected UTF-8");
     }
+    if (line_.starts_with("\x1f\x8b")) return error("is packed with gzip twice: unpack it once");
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (line_.starts_with(kByteOrderMark)) line_.erase(0, kByteOrderMark.size());
   }

@@ -99,6 +99,12 @@ Result<LogFormat> detect_log_format(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return LogFormat::kBag;
   if (path.filename() == "metadata.yaml") return LogFormat::kBag;
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "is no file but a pipe or a device, and a log is read more than once: write it to "
+                 "a file first",
+                 path.string()};
+  }
   Result<std::string> bytes = first_bytes(path);
   if (!bytes) return bytes.error();
   if (bytes->empty()) return Error{ErrorCode::kMalformed, "is empty", path.string()};
@@ -122,8 +128,10 @@ Result<LogFormat> detect_log_format(const std::filesystem::path& path) {
   }
   const bool is_packed = path.extension() == ".gz";
   const auto by_extension = format_by_extension(extension);
-  if (by_extension && (is_packed || *by_extension != LogFormat::kBag)) return *by_extension;
+  if (by_extension == LogFormat::kBag && is_packed) return LogFormat::kBag;
+  // Many programs call any text a .log.
   if (const auto format = format_by_first_line(path)) return *format;
+  if (by_extension && *by_extension != LogFormat::kBag) return *by_extension;
   return Error{ErrorCode::kInvalidArgument,
                "unknown kind of log, expected JSON lines (.jsonl) or CARMEN (.log, .clf, .gfs), "
                "also with .gz, or a bag of ROS (.bag, .mcap, .db3, also with .zstd or .gz, or a "

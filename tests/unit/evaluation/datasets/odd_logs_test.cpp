@@ -1,6 +1,7 @@
 // Logs as users have them: out of order, of another program, packed, or no logs at all.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "evaluation/datasets/log_reader.hpp"
+#include "support/gzip.hpp"
 #include "support/temporary_directory.hpp"
 
 namespace cornerfix::evaluation {
@@ -336,6 +338,27 @@ TEST_F(OddLogs, SaysThatEachLineHoldsOneObject) {
   std::replace(text.begin(), text.end(), '\n', '\r');
   EXPECT_THAT(remarks_about(directory_.write("a.jsonl", text)),
               HasSubstr("expected one object per line, ended by LF"));
+}
+
+TEST_F(OddLogs, ReadsTextOfOneKindThatIsNamedAsTheOther) {
+  const std::string carmen = "FLASER 2 1 2 0 0 0 0 0 0 1.0 host 1.0\n";
+  EXPECT_EQ(
+      read_log(directory_.write("a.log", kOddLogHeader + lines_stamped({1, 2})))->scans.size(), 2U);
+  EXPECT_EQ(read_log(directory_.write("a.jsonl", carmen))->scans.size(), 1U);
+}
+
+TEST_F(OddLogs, RefusesAPipe) {
+  const std::filesystem::path pipe = directory_.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(LogReader::open(pipe).error().message,
+              HasSubstr("is no file but a pipe or a device"));
+  EXPECT_EQ(LogReader::open("/dev/null").error().field, "/dev/null");
+}
+
+TEST_F(OddLogs, SaysThatAFileIsPackedTwice) {
+  const std::string packed = testing::gzipped(testing::gzipped(kOddLogHeader));
+  EXPECT_THAT(remarks_about(directory_.write("a.jsonl.gz", packed)),
+              HasSubstr("is packed with gzip twice"));
 }
 
 TEST_F(OddLogs, TakesTheScansOfOneNamedLidar) {
