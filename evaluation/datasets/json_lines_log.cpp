@@ -118,12 +118,13 @@ class JsonLinesParser final : public ScanParser {
         has_header_ = false;
         return parse(line);
       }
+      if (scan) unread_.merge(unread_of_line_);
       if (scan) return lidars_.is_wanted(lidar_) ? check(std::move(*scan)) : nothing();
     } catch (const RepeatedMember&) {
       return malformed_line(field_ + ": there twice, expected once");
     } catch (const simdjson::simdjson_error& error) {
       if (error.error() == simdjson::INCORRECT_TYPE) {
-        return malformed_line(field_.empty() ? "expected an object"
+        return malformed_line(field_.empty() ? std::string(kOneObjectPerLine)
                                              : field_ + ": " + expected(field_));
       }
       if (field_.empty())
@@ -145,9 +146,19 @@ class JsonLinesParser final : public ScanParser {
   }
 
   [[nodiscard]] std::string contents() const override { return lidars_.contents(); }
+  [[nodiscard]] std::string assumption() const override {
+    if (unread_.empty()) return "";
+    std::string names;
+    for (const std::string& name : unread_) names += (names.empty() ? "" : ", ") + name;
+    return "members of scans that are not read: " + names +
+           "; read are t, ranges, odom, pose, lidar, kf, time_increment, angle_min, "
+           "angle_increment, range_min and range_max";
+  }
   [[nodiscard]] std::string choice() const override { return lidars_.choice(); }
 
  private:
+  static constexpr std::size_t kLongestName = 40;
+
   static Result<std::optional<LogScan>> nothing() { return std::optional<LogScan>(); }
 
   /// Whether the line read as a scan begins another log behind the first one.
@@ -191,8 +202,8 @@ class JsonLinesParser final : public ScanParser {
     field_.clear();
   }
 
-  /// The member named `field_`, if it is one of a lidar's geometry.
-  void read_geometry(value member, LaserScan& lidar) const {
+  /// Reads the member named `field_`. False if it is none of a lidar's geometry.
+  bool read_geometry(value member, LaserScan& lidar) const {
     if (field_ == "angle_min") {
       lidar.angle_min = member.get_double();
     } else if (field_ == "angle_increment") {
@@ -201,7 +212,19 @@ class JsonLinesParser final : public ScanParser {
       lidar.range_min = member.get_double();
     } else if (field_ == "range_max") {
       lidar.range_max = number_or_infinity(member);
+    } else {
+      return false;
     }
+    return true;
+  }
+
+  /// Of a scan. Those of a LaserScan that are never used are passed over.
+  void note_unread_member() {
+    constexpr std::size_t kMostNames = 10;
+    constexpr std::array<std::string_view, 3> kUnused = {"angle_max", "scan_time", "intensities"};
+    if (std::ranges::find(kUnused, field_) != kUnused.end()) return;
+    if (unread_.size() + unread_of_line_.size() < kMostNames)
+      unread_of_line_.insert(field_.substr(0, kLongestName));
   }
 
   LogScan read_scan(object fields) {
@@ -213,6 +236,7 @@ class JsonLinesParser final : public ScanParser {
     has_own_angles_ = false;
     lidar_.clear();
     members_.clear();
+    unread_of_line_.clear();
     for (auto field : fields) {
       begin_member(field.unescaped_key());
       if (field_ == "t") {
@@ -231,7 +255,7 @@ class JsonLinesParser final : public ScanParser {
       } else if (field_ == "time_increment") {
         out.time_increment = field.value().get_double();
       } else {
-        read_geometry(field.value(), out.scan);
+        if (!read_geometry(field.value(), out.scan)) note_unread_member();
         has_own_angles_ |= field_ == "angle_min" || field_ == "angle_increment";
       }
     }
@@ -282,7 +306,9 @@ class JsonLinesParser final : public ScanParser {
   double time_increment_ = 0.0;    ///< Of the header.
   std::string field_;              ///< Being read, for the message of an error.
   std::set<std::string> members_;  ///< Of the object, so far.
-  std::string lidar_;              ///< That the scan being read names; empty when it names none.
+  std::set<std::string> unread_;   ///< Members of scans.
+  std::set<std::string> unread_of_line_;
+  std::string lidar_;  ///< That the scan being read names; empty when it names none.
   LidarChoice lidars_;
 };
 

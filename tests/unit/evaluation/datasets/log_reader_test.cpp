@@ -271,7 +271,7 @@ TEST_F(LogReading, NamesTheMemberOfALineThatHasAnotherType) {
   };
   EXPECT_THAT(message(kHeader, R"({"t": 1, "odom": [0, 0, 0, 1], "ranges": [1, 2, 3]})"),
               HasSubstr("odom: expected [x, y, yaw] or null"));
-  EXPECT_THAT(message("[1, 2]", ""), HasSubstr("expected an object"));
+  EXPECT_THAT(message("[1, 2]", ""), HasSubstr("expected one object per line"));
   EXPECT_THAT(message(R"({"angle_min": 0, "angle_increment": 0, "range_min": 0, "range_max": 9})",
                       R"({"t": 1, "ranges": [1, 2, 3]})"),
               HasSubstr("header: angle_increment"));

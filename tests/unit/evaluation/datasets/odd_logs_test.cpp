@@ -340,6 +340,23 @@ TEST_F(OddLogs, SaysThatEachLineHoldsOneObject) {
               HasSubstr("expected one object per line, ended by LF"));
 }
 
+TEST_F(OddLogs, SaysThatAnArrayIsNoObjectPerLine) {
+  EXPECT_THAT(remarks_about(directory_.write("a.jsonl", "[" + lines_with("[1, 1, 1]") + "]")),
+              HasSubstr("at line 1, byte 0: expected one object per line"));
+}
+
+TEST_F(OddLogs, NamesMembersOfScansThatAreNotRead) {
+  std::string lines;
+  for (int i = 0; i < 3; ++i) {
+    lines += R"({"t": )" + std::to_string(i) +
+             R"(, "ranges": [1, 1, 2], "odometry": [0, 0, 0], "intensities": [], "scan_time": 1})"
+             "\n";
+  }
+  EXPECT_EQ(remarks_about(directory_.write("a.jsonl", kOddLogHeader + lines)),
+            "members of scans that are not read: odometry; read are t, ranges, odom, pose, lidar, "
+            "kf, time_increment, angle_min, angle_increment, range_min and range_max");
+}
+
 TEST_F(OddLogs, ReadsTextOfOneKindThatIsNamedAsTheOther) {
   const std::string carmen = "FLASER 2 1 2 0 0 0 0 0 0 1.0 host 1.0\n";
   EXPECT_EQ(
