@@ -12,6 +12,10 @@ constexpr double kFarthestReturn = 500.0;  // [m]; 2D lidars see 100 m and less.
 constexpr double kLongGap = 20.0;          // [s]; scans 25 ms apart, in milliseconds, are above.
 constexpr std::size_t kFewestGaps = 5;
 
+/// A yaw in degrees shows in turns alone, and odometry may jump now and then.
+constexpr std::size_t kFewestMotions = 5;
+constexpr std::size_t kLeastShareOfMotions = 20;  // one of so many
+
 /// Drivers disagree whether angle_max is that of the last beam or of the one behind it, and some
 /// leave out beams at the end.
 constexpr double kAngleSlackShare = 0.05;
@@ -39,6 +43,7 @@ void OddScans::look_at(const LogScan& scan) {
   look_at_ranges(scan.scan);
   look_at_angles(scan);
   look_at_stamp(scan.scan.stamp);
+  look_at_odometry(scan);
 }
 
 void OddScans::look_at_ranges(const LaserScan& scan) {
@@ -92,6 +97,24 @@ void OddScans::look_at_stamp(double stamp) {
   if (gap > kLongGap && long_gaps_++ == 0) first_long_gap_ = gap;
 }
 
+void OddScans::look_at_odometry(const LogScan& scan) {
+  constexpr double kLongestPause = 1.0;  // [s]
+  if (!scan.T_odom_laser) return;
+  const double seconds = last_odometry_stamp_ ? scan.scan.stamp - *last_odometry_stamp_ : 0.0;
+  const ScanMotion motion{.T_begin_end = inverse(T_odom_last_) * *scan.T_odom_laser,
+                          .seconds = seconds};
+  if (seconds > 0.0 && seconds <= kLongestPause) {
+    ++motions_;
+    if (!is_plausible(motion) && too_fast_++ == 0) {
+      first_too_fast_ = rounded_text(std::hypot(motion.T_begin_end.x, motion.T_begin_end.y)) +
+                        " m and " + rounded_text(std::abs(motion.T_begin_end.yaw)) + " rad in " +
+                        rounded_text(seconds) + " s";
+    }
+  }
+  last_odometry_stamp_ = scan.scan.stamp;
+  T_odom_last_ = *scan.T_odom_laser;
+}
+
 std::vector<std::string> OddScans::notes() const {
   std::vector<std::string> notes;
   if (are_most(without_return_, scans_)) notes.push_back(note_of_returns());
@@ -106,6 +129,11 @@ std::vector<std::string> OddScans::notes() const {
                     ": angle_increment is used, angle_max is not");
   }
   if (scans_ > kFewestGaps && are_most(long_gaps_, scans_ - 1)) notes.push_back(note_of_stamps());
+  if (too_fast_ >= kFewestMotions && kLeastShareOfMotions * too_fast_ > motions_) {
+    notes.push_back("the odometry moves faster than 10 m/s or turns faster than 10 rad/s in " +
+                    share_text(too_fast_, motions_) + " of the scans, first " + first_too_fast_ +
+                    ": expected metres and radians, are these millimetres or degrees?");
+  }
   return notes;
 }
 

@@ -18,13 +18,15 @@ class OddScans {
   /// What a person should check; empty while all looks usual:
   /// - most scans have no return, or most returns are farther than any 2D lidar sees;
   /// - angle_max contradicts angle_increment and the number of beams;
-  /// - most scans are so far apart that their stamps are not seconds.
+  /// - most scans are so far apart that their stamps are not seconds;
+  /// - the odometry is often faster than a robot, as it is in millimetres and degrees.
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
   void look_at_ranges(const LaserScan& scan);
   void look_at_angles(const LogScan& scan);
   void look_at_stamp(double stamp);
+  void look_at_odometry(const LogScan& scan);
   [[nodiscard]] std::string note_of_returns() const;
   [[nodiscard]] std::string note_of_stamps() const;
 
@@ -46,6 +48,12 @@ class OddScans {
   std::optional<double> last_stamp_;
   std::size_t long_gaps_ = 0;
   double first_long_gap_ = 0.0;
+
+  std::optional<double> last_odometry_stamp_;
+  Pose2 T_odom_last_;
+  std::size_t motions_ = 0;  ///< Of the odometry, from scan to scan.
+  std::size_t too_fast_ = 0;
+  std::string first_too_fast_;
 };
 
 }  // namespace cornerfix::evaluation

@@ -378,6 +378,29 @@ TEST_F(OddLogs, SaysThatAFileIsPackedTwice) {
               HasSubstr("is packed with gzip twice"));
 }
 
+/// Ten scans a second along an odometry of so many units per scan.
+std::string lines_along(double step, double turn) {
+  std::string lines;
+  for (int i = 0; i < 40; ++i) {
+    lines += R"({"t": )" + std::to_string(0.1 * i) + R"(, "ranges": [1, 2, )" +
+             std::to_string(3 + i) + R"(], "odom": [)" + std::to_string(step * i) + ", 0, " +
+             std::to_string(i < 30 ? 0.0 : turn * (i - 30)) + "]}\n";
+  }
+  return lines;
+}
+
+TEST_F(OddLogs, AsksForTheUnitOfOdometryThatIsTooFast) {
+  const auto remarks_on = [&](double step, double turn) {
+    return remarks_about(directory_.write("a.jsonl", kOddLogHeader + lines_along(step, turn)));
+  };
+  EXPECT_EQ(remarks_on(0.05, 0.05), "");
+  EXPECT_EQ(remarks_on(50.0, 0.05),
+            "the odometry moves faster than 10 m/s or turns faster than 10 rad/s in 100 % of the "
+            "scans, first 50 m and 0 rad in 0.1 s: expected metres and radians, are these "
+            "millimetres or degrees?");
+  EXPECT_THAT(remarks_on(0.05, 2.5), HasSubstr("in 23 % of the scans, first 0.05 m and 2.5 rad"));
+}
+
 TEST_F(OddLogs, TakesTheScansOfOneNamedLidar) {
   std::string lines;
   for (int i = 0; i < 6; ++i) {
