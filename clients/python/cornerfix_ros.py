@@ -111,7 +111,10 @@ class OdometryTrack:
         self._poses: List[Pose] = []
 
     def add(self, stamp: float, pose: Pose) -> None:
-        """A stamp that goes back begins a new track: the clock was set, or a bag began again."""
+        """A stamp that goes back begins a new track: the clock was set, or a bag began again. A
+        pose with NaN, as of a filter that diverged, is none."""
+        if not all(map(math.isfinite, (pose.x, pose.y, pose.yaw))):
+            return
         if self._stamps and stamp <= self._stamps[-1]:
             if stamp == self._stamps[-1]:
                 return

@@ -92,6 +92,8 @@ class OdometryTest(unittest.TestCase):
         self.assertEqual((middle.x, middle.y), (0.5, 1.0))
         self.assertAlmostEqual(abs(middle.yaw), math.pi)
         self.assertEqual((track.at(0.9), track.at(2.1)), (None, None))
+        track.add(3.0, Pose(math.nan, 0, 0))
+        self.assertEqual(track.newest, 2.0)
 
     def test_forgets_what_is_old_and_what_a_clock_set_back_left(self):
         track = OdometryTrack(kept_s=2.0)
