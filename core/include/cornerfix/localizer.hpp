@@ -68,8 +68,8 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Takes one scan. Stamps must not decrease from call to call until reset() (asserted), and those
-  /// of one laser must increase. A robot may have several lasers, known by T_base_link_laser.
+  /// Takes one scan. Stamps must not decrease until reset() (asserted). Those of a laser increase.
+  /// Lasers are known by T_base_link_laser. A scan with angles or a mount of NaN has no return.
   [[nodiscard]] Answer process(const RobotScan& scan);
 
   /// The robot was carried: forgets the pose and the submap. With a region, base_link is there at

@@ -75,7 +75,7 @@ class Mapper {
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
 
-  /// Why the map cannot take `scan`, or nothing: it would make the grid larger than kMaxCells.
+  /// Why the map cannot take `scan`: not finite, or the grid above kMaxCells. Nothing if it can.
   [[nodiscard]] std::optional<Error> reject(const PosedScan& scan) const;
 
   /// Whether `scan` is far enough from the last keyframe to become one.

@@ -25,7 +25,7 @@ class LidarOdometry {
 
   /// Pose at `scan`, in the frame of base_link at the first scan. Scans come in the order in which
   /// they were taken. Where scans do not match what was seen before, odometry (or the last motion)
-  /// alone leads on. O(beams).
+  /// alone leads on. A scan with angles or a mount of NaN has no return. O(beams).
   [[nodiscard]] Pose2 process(const RobotScan& scan);
 
   /// Continues after the scans of `track`, whose poses it gave earlier, as it would have after

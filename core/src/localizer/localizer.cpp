@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "core/src/scan/finite_scan.hpp"
+
 namespace cornerfix {
 namespace {
 
@@ -111,7 +113,10 @@ Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
-Answer Localizer::process(const RobotScan& scan) { return impl_->process(scan); }
+Answer Localizer::process(const RobotScan& scan) {
+  const bool is_finite = has_finite_geometry(scan.scan, scan.T_base_link_laser);
+  return impl_->process(is_finite ? scan : without_returns(scan));
+}
 
 void Localizer::reset(std::optional<StartRegion> region) {
   assert(!region || !validate(*region));

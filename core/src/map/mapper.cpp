@@ -7,6 +7,7 @@
 #include "core/src/features/feature_history.hpp"
 #include "core/src/map/mapping_drive.hpp"
 #include "core/src/map/occupancy_mapping.hpp"
+#include "core/src/scan/finite_scan.hpp"
 
 namespace cornerfix {
 
@@ -44,6 +45,12 @@ Mapper::Mapper(Mapper&&) noexcept = default;
 Mapper& Mapper::operator=(Mapper&&) noexcept = default;
 
 std::optional<Error> Mapper::reject(const PosedScan& scan) const {
+  const Pose2& pose = scan.T_map_base_link;
+  if (!has_finite_geometry(scan.scan, scan.T_base_link_laser) ||
+      !std::isfinite(pose.x + pose.y + pose.yaw)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "expected finite numbers for pose, mount, angles and range_min", "scan"};
+  }
   Bounds all = bounds_of(scan, params_.grid);
   if (bounds_) all.extend(*bounds_);
   const Point2 size = (all.max - all.min) / params_.grid.resolution_m;

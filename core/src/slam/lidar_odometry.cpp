@@ -6,6 +6,7 @@
 
 #include "core/src/local_map/scan_motion.hpp"
 #include "core/src/local_map/submap.hpp"
+#include "core/src/scan/finite_scan.hpp"
 
 namespace cornerfix {
 namespace {
@@ -44,7 +45,10 @@ LidarOdometry::~LidarOdometry() = default;
 LidarOdometry::LidarOdometry(LidarOdometry&&) noexcept = default;
 LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
 
-Pose2 LidarOdometry::process(const RobotScan& scan) { return impl_->process(scan); }
+Pose2 LidarOdometry::process(const RobotScan& scan) {
+  const bool is_finite = has_finite_geometry(scan.scan, scan.T_base_link_laser);
+  return impl_->process(is_finite ? scan : without_returns(scan));
+}
 
 void LidarOdometry::resume(std::span<const PosedScan> track) { impl_->resume(track); }
 

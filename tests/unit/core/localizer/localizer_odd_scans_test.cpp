@@ -54,6 +54,19 @@ TEST_P(LocalizerWithOddScans, IsCollectingWithAReason) {
   }
 }
 
+TEST(LocalizerWithGeometryOfNan, TakesTheScanForOneWithoutReturns) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Moment> moments = room_drive(16, 20);
+  moments[3].scan.scan.angle_min = kNan;
+  moments[4].scan.scan.angle_increment = kNan;
+  moments[5].scan.T_base_link_laser.x = kNan;
+  moments[6].scan.T_base_link_laser.yaw = kNan;
+  for (const Method method : kMethods) {
+    Localizer localizer({room_map(16)}, with(method));
+    EXPECT_EQ(count_wrong(answers_of(localizer, moments), moments), 0U) << to_string(method);
+  }
+}
+
 TEST_P(LocalizerWithOddScans, DoesNotMisleadOneThatIsLocalized) {
   const std::vector<Moment> moments = room_drive(16, 20);
   Localizer localizer({room_map(16)}, with(Method::kIndexed));

@@ -191,6 +191,18 @@ TEST(Mapper, RefusesAPoseThatIsNoNumber) {
   EXPECT_TRUE(Mapper().reject(nowhere).has_value());
 }
 
+TEST(Mapper, RefusesAScanWhoseNumbersAreNotFinite) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<PosedScan> scans(5, scan_at({6, 5, 0}));
+  EXPECT_FALSE(Mapper().reject(scans[0]).has_value());
+  scans[0].scan.angle_min = kNan;
+  scans[1].scan.angle_increment = kNan;
+  scans[2].scan.range_min = kNan;
+  scans[3].T_base_link_laser.yaw = kNan;
+  scans[4].T_map_base_link.x = kNan;
+  for (const PosedScan& scan : scans) EXPECT_EQ(Mapper().reject(scan).value().field, "scan");
+}
+
 TEST(Mapper, RefusesParamsOutsideTheirLimits) {
   const auto field_of = [](const MapperParams& params) {
     const auto error = validate(params);

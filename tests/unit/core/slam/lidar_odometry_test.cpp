@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cornerfix/slam.hpp>
+#include <limits>
 
 #include "support/floor_plans.hpp"
 #include "support/matchers.hpp"
@@ -31,6 +32,17 @@ Pose2 expected(const std::vector<Moment>& moments, std::size_t i) {
 TEST(LidarOdometry, BeginsAtTheIdentity) {
   const std::vector<Moment> moments = moments_with({});
   EXPECT_THAT(poses_of(moments).front(), IsPoseNear(Pose2{}, 0.0, 0.0));
+}
+
+TEST(LidarOdometry, GoesOnBehindScansWhoseGeometryIsNotFinite) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Moment> moments = moments_with({});
+  ASSERT_GT(moments.size(), 20U);
+  moments[5].scan.scan.angle_min = kNan;
+  moments[6].scan.scan.angle_increment = kNan;
+  moments[7].scan.T_base_link_laser.x = kNan;
+  const std::vector<Pose2> poses = poses_of(moments);
+  EXPECT_THAT(poses.back(), IsPoseNear(expected(moments, poses.size() - 1), 0.3, 0.05));
 }
 
 TEST(LidarOdometry, MendsAnOdometryThatTellsATenthTooMuch) {
