@@ -79,7 +79,7 @@ Result<FloorMapReport> MapLibrary::put_floor_map(std::string_view name, std::str
   auto report = retrying([&] { return put_floor_map_once(name, *floor_map, progress, expected); });
   if (!report) return report;
   for (auto note : {thinning_note(yaml, *floor_map), threshold_advice(yaml, image),
-                    unknown_advice(yaml, image)}) {
+                    unknown_advice(yaml, image), unread_keys(yaml)}) {
     if (note) report->warnings.push_back(std::move(*note));
   }
   return report;

@@ -65,6 +65,10 @@ struct MapFiles {
                                                         std::span<const std::byte> image,
                                                         const MapImageLimits& limits = {});
 
+/// A sentence for the map's owner when the yaml has keys that no map_server reads, as a misspelled
+/// occupied_threshold, whose default holds then. Nothing when the yaml cannot be read.
+[[nodiscard]] std::optional<std::string> unread_keys(std::string_view yaml);
+
 /// An 8-bit grey png in map_server's trinary colours: occupied 0, free 254, unknown 205. Empty for
 /// a grid without cells.
 [[nodiscard]] std::vector<std::byte> encode_grid_png(const OccupancyGrid& grid);

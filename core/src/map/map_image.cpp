@@ -255,6 +255,15 @@ std::optional<std::string> unknown_advice(std::string_view yaml, std::span<const
          " leaves unknown; map_saver writes unknown cells in such a grey (205)";
 }
 
+std::optional<std::string> unread_keys(std::string_view yaml) {
+  const Result<MapYaml> parsed = parse_map_yaml(yaml);
+  if (!parsed || parsed->unread_keys.empty()) return std::nullopt;
+  std::string names;
+  for (const std::string& key : parsed->unread_keys) names += (names.empty() ? "" : ", ") + key;
+  return "keys that are not read: " + names +
+         "; read are image, resolution, origin, negate, occupied_thresh, free_thresh and mode";
+}
+
 std::string encode_grid_yaml(const OccupancyGrid& grid, std::string_view image_name) {
   const Pose2& origin = grid.T_map_grid;
   return "image: " + YAML::Dump(YAML::Node(std::string(image_name))) +

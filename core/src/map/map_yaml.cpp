@@ -102,6 +102,20 @@ std::optional<Error> find_repeated_key(const YAML::Node& root) {
   return std::nullopt;
 }
 
+std::vector<std::string> find_unread_keys(const YAML::Node& root) {
+  constexpr std::size_t kMostKeys = 10;
+  constexpr std::size_t kLongest = 40;
+  constexpr std::array<std::string_view, 7> kRead = {
+      "image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"};
+  std::vector<std::string> keys;
+  for (const auto& entry : root) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
+    if (std::ranges::find(kRead, key) == kRead.end() && keys.size() < kMostKeys)
+      keys.push_back(key.substr(0, kLongest));
+  }
+  return keys;
+}
+
 Result<MapYaml> map_yaml_of(const YAML::Node& root) {
   if (!root.IsMap()) {
     return no_map_yaml(
@@ -156,6 +170,7 @@ Result<MapYaml> map_yaml_of(const YAML::Node& root) {
   const Result<MapYaml::Mode> mode = parse_mode(root["mode"]);
   if (!mode) return mode.error();
   out.mode = *mode;
+  out.unread_keys = find_unread_keys(root);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <cornerfix/map_image.hpp>
 #include <cornerfix/occupancy_grid.hpp>
@@ -28,6 +29,7 @@ struct MapYaml {
   double occupied_thresh = kOccupiedThreshold;
   double free_thresh = kFreeThreshold;
   Mode mode = Mode::kTrinary;
+  std::vector<std::string> unread_keys;  ///< The first ones of another name.
 };
 
 /// `field` of an error is the key, or "yaml". Keys that are not map_server's are passed over.

@@ -325,6 +325,16 @@ TEST(ThresholdAdvice, OnlyComplainsWhereNoThresholdHelps) {
             "at occupied_thresh 0.65 only 0 % of the border of free space is wall");
 }
 
+TEST(UnreadKeys, NamesWhatNoMapServerReads) {
+  const std::string yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  EXPECT_EQ(unread_keys(yaml + "negate: 0\nmode: raw\nfree_thresh: 0.1\noccupied_thresh: 0.5\n"),
+            std::nullopt);
+  EXPECT_EQ(unread_keys("nonsense"), std::nullopt);
+  EXPECT_EQ(unread_keys(yaml + "occupied_threshold: 0.9\nfloor: [1, 2]\n"),
+            "keys that are not read: occupied_threshold, floor; read are image, resolution, "
+            "origin, negate, occupied_thresh, free_thresh and mode");
+}
+
 TEST(UnknownAdvice, NamesAFreeThresholdThatTakesUnknownForFree) {
   const std::string yaml = "image: a.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
   const auto advice_for = [&](const std::string& lines, std::initializer_list<int> pixels) {
