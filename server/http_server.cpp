@@ -314,7 +314,7 @@ Response HttpServer::Impl::answer_by_route(Exchange& exchange) {
   if (auto* refusal = std::get_if<Response>(&admitted)) return std::move(*refusal);
   request.principal = std::move(std::get<Principal>(admitted));
   request.captures = std::move(captures);
-  request.query = {raw.params.begin(), raw.params.end()};
+  request.query = parse_query(raw.target);
   // Health checks of others may carry a query.
   if (route->access != Access::kPublic) {
     if (const auto problem = check_query(*route, request.query)) return problem_response(*problem);

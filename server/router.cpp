@@ -1,5 +1,6 @@
 #include "server/router.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -22,6 +23,13 @@ std::optional<std::string> percent_decode(std::string_view text) {
     i += 2;
   }
   return decoded;
+}
+
+/// As a form writes it, with + for a blank; as it is where an escape is wrong.
+std::string query_decode(std::string_view text) {
+  std::string blank_text(text);
+  std::ranges::replace(blank_text, '+', ' ');
+  return percent_decode(blank_text).value_or(std::string(text));
 }
 
 /// The path of "http://host/path", which a server must take like "/path" (RFC 9112, 3.2.2).
@@ -72,6 +80,24 @@ std::optional<PathSegments> split_path(std::string_view target) {
     path = slash == std::string_view::npos ? std::string_view{} : path.substr(slash);
   } while (!path.empty());
   return segments;
+}
+
+std::multimap<std::string, std::string> parse_query(std::string_view target) {
+  target = target.substr(0, target.find('#'));
+  const auto question = target.find('?');
+  std::string_view rest =
+      question == std::string_view::npos ? std::string_view{} : target.substr(question + 1);
+  std::multimap<std::string, std::string> query;
+  while (!rest.empty()) {
+    const std::string_view part = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+    if (part.empty()) continue;
+    const auto equals = part.find('=');
+    const bool has_value = equals != std::string_view::npos;
+    query.emplace(query_decode(part.substr(0, equals)),
+                  has_value ? query_decode(part.substr(equals + 1)) : std::string{});
+  }
+  return query;
 }
 
 std::optional<api::Problem> check_query(const Route& route,

@@ -35,6 +35,10 @@ struct Route {
   std::vector<std::string> parameters{};  ///< Of the query, that it takes.
 };
 
+/// The parameters of a target's query, decoded. Those that are there twice are kept twice, also
+/// when their values are equal.
+[[nodiscard]] std::multimap<std::string, std::string> parse_query(std::string_view target);
+
 /// What is wrong with a query: a parameter that the route does not take, or one that is there
 /// twice.
 [[nodiscard]] std::optional<api::Problem> check_query(

@@ -86,6 +86,22 @@ TEST(CheckQuery, RefusesAParameterThatIsThereTwice) {
             "is there twice");
 }
 
+TEST(ParseQuery, DecodesNamesAndValues) {
+  const auto query = parse_query("/v1/maps?page_token=a%2Bb+c&li%6Dit=&&x&y=1=2#z=3");
+  const std::multimap<std::string, std::string> expected{
+      {"page_token", "a+b c"}, {"limit", ""}, {"x", ""}, {"y", "1=2"}};
+  EXPECT_EQ(query, expected);
+  EXPECT_TRUE(parse_query("/v1/maps").empty());
+  EXPECT_TRUE(parse_query("/v1/maps?").empty());
+  EXPECT_EQ(parse_query("/?a=%zz+").find("a")->second, "%zz+");
+}
+
+TEST(ParseQuery, KeepsAParameterThatIsThereTwiceWithOneValue) {
+  const Route route{.method = "GET", .pattern = "/v1/maps", .handler = {}, .parameters = {"limit"}};
+  EXPECT_EQ(check_query(route, parse_query("/v1/maps?limit=3&limit=3"))->errors[0].detail,
+            "is there twice");
+}
+
 TEST(CheckQuery, RefusesAnyParameterWhereNoneIsTaken) {
   EXPECT_EQ(check_query(Route{}, {{"x", ""}})->errors[0].detail,
             "unknown query parameter, expected none");
