@@ -129,6 +129,10 @@ HeadReader::State HeadReader::take_header(std::string_view line) {
     head_.expects_continue = is_http_1_1_;
     return State::kReading;
   }
+  // The library drops a header without a value, and the change would have no condition.
+  if (value.empty() && equals_ignoring_case(name, "If-Match")) {
+    return refuse("If-Match is empty, expected an ETag in double quotes, or *.");
+  }
   hosts_ += equals_ignoring_case(name, "Host") ? 1U : 0U;
   if (const State state = take_framing(name, value); state != State::kReading) return state;
   head_.text.append(name).append(": ").append(value).append("\r\n");

@@ -79,6 +79,12 @@ TEST(RequestHead, IsRefusedWhereTwoReadersCouldDisagree) {
   EXPECT_EQ(refusal_of(with_header(std::string("X-A: \0\r\n", 8))).status, 400);
 }
 
+TEST(RequestHead, WithAnEmptyConditionIsRefused) {
+  const Refusal refusal = refusal_of(with_header("If-Match: \r\n"));
+  EXPECT_EQ(refusal.status, 400);
+  EXPECT_EQ(refusal.detail, "If-Match is empty, expected an ETag in double quotes, or *.");
+}
+
 TEST(RequestHead, OfGetAndHeadHasNoBody) {
   for (const char* method : {"GET", "HEAD"}) {
     for (const char* framing : {"Content-Length: 5\r\n", "Transfer-Encoding: chunked\r\n"}) {
