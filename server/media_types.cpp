@@ -36,7 +36,10 @@ std::optional<BodyFormat> format_of(std::string_view media_type) {
   const std::string type = lower_case(media_type);
   if (type == "application/json") return BodyFormat::kJson;
   if (type == "application/cbor") return BodyFormat::kCbor;
-  if (type == "application/msgpack" || type == "application/x-msgpack") {
+  // Registered only in 2024, after the others had been in use for years.
+  const bool is_message_pack = type == "application/msgpack" || type == "application/x-msgpack" ||
+                               type == "application/vnd.msgpack";
+  if (is_message_pack) {
     return BodyFormat::kMessagePack;
   }
   return std::nullopt;
@@ -69,10 +72,14 @@ api::AnswerProfile profile_of(std::string_view parameters) {
 
 }  // namespace
 
+std::string media_type_of(std::string_view content_type) {
+  return lower_case(next_part(content_type, ';'));
+}
+
 std::optional<BodyFormat> format_of_content_type(std::string_view content_type) {
-  const std::string_view media_type = next_part(content_type, ';');
+  const std::string media_type = media_type_of(content_type);
   if (media_type.empty()) return BodyFormat::kJson;
-  if (lower_case(media_type) == kBinaryBatchType) return BodyFormat::kBinaryBatch;
+  if (media_type == kBinaryBatchType) return BodyFormat::kBinaryBatch;
   return format_of(media_type);
 }
 

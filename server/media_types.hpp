@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "api/answer_profiles.hpp"
@@ -10,6 +11,9 @@
 namespace cornerfix::server {
 
 inline constexpr const char* kBinaryBatchType = "application/octet-stream";
+
+/// A Content-Type in lower case, without its parameters.
+[[nodiscard]] std::string media_type_of(std::string_view content_type);
 
 /// The format of a body with this Content-Type, or nothing when it is none of ours. Without any
 /// Content-Type a body is taken as JSON.

@@ -146,7 +146,7 @@ std::optional<Response> take_body(Exchange& exchange, BodyRule rule, std::size_t
   const auto format = is_archive ? api::BodyFormat::kJson : format_of_content_type(content_type);
   const bool is_foreign = format == api::BodyFormat::kBinaryBatch && rule != BodyRule::kScanBatch;
   if (!format || is_foreign) return unsupported_media_type(content_type, rule);
-  if (is_archive && content_type != kArchiveType) {
+  if (is_archive && media_type_of(content_type) != kArchiveType) {
     return problem_response(415, "unsupported_media_type",
                             std::string("Send an archive as ") + kArchiveType + ".");
   }

@@ -13,11 +13,17 @@ TEST(ContentType, NamesTheFormat) {
   EXPECT_EQ(format_of_content_type("application/cbor"), BodyFormat::kCbor);
   EXPECT_EQ(format_of_content_type("application/msgpack"), BodyFormat::kMessagePack);
   EXPECT_EQ(format_of_content_type("application/x-msgpack"), BodyFormat::kMessagePack);
+  EXPECT_EQ(format_of_content_type("application/vnd.msgpack"), BodyFormat::kMessagePack);
 }
 
 TEST(ContentType, NamesABinaryBatchThatIsNoAnswer) {
   EXPECT_EQ(format_of_content_type("application/octet-stream"), BodyFormat::kBinaryBatch);
   EXPECT_EQ(best_format("application/octet-stream").body, BodyFormat::kJson);
+}
+
+TEST(ContentType, IsComparedWithoutCaseAndParameters) {
+  EXPECT_EQ(media_type_of("Application/Vnd.SQLite3 ; charset=binary"), "application/vnd.sqlite3");
+  EXPECT_EQ(media_type_of(""), "");
 }
 
 TEST(ContentType, MayBeMissing) { EXPECT_EQ(format_of_content_type(""), BodyFormat::kJson); }
