@@ -4,6 +4,9 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -58,6 +61,33 @@ std::string source_of(const std::string& pointer, const std::vector<ConfigOverri
   return last == overrides.rend() ? pointer : last->source + pointer.substr(end);
 }
 
+/// An object. A key that is there twice is refused, since the reader would take the last one.
+Result<json> parse_document(std::string_view text) {
+  std::set<std::string> keys;
+  std::string repeated;
+  const auto look_at = [&](int depth, json::parse_event_t event, const json& value) {
+    const bool is_key = event == json::parse_event_t::key && depth == 1;
+    if (is_key && !keys.insert(value.get<std::string>()).second) repeated = value;
+    return true;
+  };
+  json document;
+  try {
+    document = json::parse(text, look_at);
+  } catch (const json::parse_error& error) {
+    // "[json.exception.parse_error.101] parse error at line 3, column 1: ..."
+    const std::string_view message = error.what();
+    const std::size_t begin = std::min(message.find("parse error at"), message.size());
+    return Error{ErrorCode::kMalformed,
+                 "the configuration is not JSON: " + std::string(message.substr(begin)), ""};
+  }
+  if (!document.is_object()) {
+    return Error{ErrorCode::kMalformed, "the configuration is not a JSON object", ""};
+  }
+  if (!repeated.empty())
+    return Error{ErrorCode::kInvalidArgument, "is there twice, expected once", "/" + repeated};
+  return document;
+}
+
 }  // namespace
 
 std::optional<Role> role_from(std::string_view name) {
@@ -69,11 +99,9 @@ std::optional<Role> role_from(std::string_view name) {
 }
 
 Result<ServerConfig> merge_json(ServerConfig defaults, std::string_view text) {
-  const json document = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!document.is_object()) {
-    return Error{ErrorCode::kMalformed, "the configuration is not a JSON object", ""};
-  }
-  for (const auto& [key, value] : document.items()) {
+  const Result<json> document = parse_document(text);
+  if (!document) return document.error();
+  for (const auto& [key, value] : document->items()) {
     const Setting* setting = find_setting(key);
     if (setting == nullptr) {
       return Error{ErrorCode::kInvalidArgument, "unknown key, expected one of " + known_keys(),

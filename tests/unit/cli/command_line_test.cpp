@@ -141,7 +141,7 @@ TEST_F(CommandLine, TakesEverySettingAsAFlag) {
     if (setting.kind != server::Setting::Kind::kSwitch) arguments.push_back("1");
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("the configuration is not a JSON object")) << flag;
+    EXPECT_THAT(outcome.err, HasSubstr("the configuration is not JSON")) << flag;
   }
 }
 

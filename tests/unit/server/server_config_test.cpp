@@ -61,6 +61,20 @@ TEST(ServerConfig, RefusesAnUnknownKey) {
   EXPECT_THAT(config.error().message, HasSubstr("port"));
 }
 
+TEST(ServerConfig, NamesThePlaceWhereItIsNoJson) {
+  const auto config = merge_json({}, "{\n  \"port\": 80,\n}");
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().message,
+              HasSubstr("the configuration is not JSON: parse error at line 3, column 1"));
+}
+
+TEST(ServerConfig, RefusesAKeyThatIsThereTwice) {
+  const auto config = merge_json({}, R"({"port": 80, "tokens": [], "port": 81})");
+  ASSERT_FALSE(config);
+  EXPECT_EQ(config.error().field, "/port");
+  EXPECT_EQ(config.error().message, "is there twice, expected once");
+}
+
 TEST(ServerConfig, RefusesWrongValues) {
   for (const char* text :
        {R"({"port": "80"})", R"({"port": 65536})", R"({"port": -1})", R"({"port": 1.5})",
