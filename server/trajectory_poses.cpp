@@ -40,6 +40,15 @@ Result<std::vector<Pose2>> poses_of(const std::vector<PosedScan>& key_frames,
                                     std::span<const api::StampedPose> given) {
   std::vector<api::StampedPose> poses(given.begin(), given.end());
   std::ranges::sort(poses, {}, &api::StampedPose::stamp);
+  const auto is_contradiction = [](const api::StampedPose& a, const api::StampedPose& b) {
+    return a.stamp == b.stamp && a.T_map_base_link != b.T_map_base_link;
+  };
+  const auto twice = std::ranges::adjacent_find(poses, is_contradiction);
+  if (twice != poses.end()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("two poses at stamp {} that differ, expected one", twice->stamp),
+                 "/poses"};
+  }
   std::vector<Pose2> moved;
   std::vector<double> missing;
   for (const PosedScan& key_frame : key_frames) {

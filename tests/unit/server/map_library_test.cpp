@@ -289,6 +289,18 @@ TEST_F(MapLibraryTest, TakesStampsWithinAMillisecond) {
   EXPECT_TRUE(maps_.set_trajectory("office", poses));
 }
 
+TEST_F(MapLibraryTest, RefusesTwoPosesOfOneStampThatDiffer) {
+  make_map(process_, "office");
+  auto poses = trajectory({1.0, 0.0, 0.0});
+  poses.push_back(poses.front());
+  EXPECT_TRUE(maps_.set_trajectory("office", poses));
+  poses.back().T_map_base_link.x += 0.5;
+  const auto refused = maps_.set_trajectory("office", poses);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "/poses");
+  EXPECT_THAT(refused.error().message, HasSubstr("that differ, expected one"));
+}
+
 TEST_F(MapLibraryTest, MakesFeaturesAnewWhenParametersChange) {
   make_map(process_, "office");
   const auto before = *maps_.load("office");
