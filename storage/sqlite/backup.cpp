@@ -41,6 +41,9 @@ Result<void> back_up(const fs::path& source, const fs::path& target) {
   partial += ".partial";
   fs::remove(partial, error);
   Result<void> done = copy_and_check(source, partial);
+  if (!done && done.error().field.empty())
+    done = Error{done.error().code, "to " + target.string() + ": " + done.error().message,
+                 source.string()};
   if (done) {
     fs::rename(partial, target, error);
     if (!error) return done;

@@ -208,6 +208,8 @@ TEST_F(MapArchiveTest, ABackUpOverwritesNothingAndCopiesNoOtherFile) {
   const auto before = directory_.snapshot();
   EXPECT_EQ(back_up(directory_ / "maps.db", other).error().code, ErrorCode::kConflict);
   EXPECT_EQ(back_up(other, directory_ / "copy.db").error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(back_up(directory_ / "maps.db", directory_ / "none" / "copy.db").error().message,
+              ::testing::HasSubstr("none/copy.db: "));
   EXPECT_EQ(back_up(directory_ / "none.db", directory_ / "copy.db").error().code,
             ErrorCode::kNotFound);
   EXPECT_EQ(directory_.snapshot(), before);
