@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <deque>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -152,7 +151,7 @@ class BagLog final : public LogSource {
     constexpr double kGoneSeconds = 2.0;
     const bool is_other = !frame.empty() && !lidar_frame_.empty() && frame != lidar_frame_;
     if (is_other && std::abs(received - lidar_seen_) <= kGoneSeconds) {
-      ++scans_of_other_frames_[frame];
+      note_other_frame(frame);
       return false;
     }
     if (!frame.empty()) lidar_frame_ = frame;
@@ -160,15 +159,12 @@ class BagLog final : public LogSource {
     return true;
   }
 
-  /// "scans of /scan in the frame front only, not in rear (120)"
-  void note_other_frames() {
-    std::string others;
-    for (const auto& [frame, scans] : scans_of_other_frames_) {
-      others += (others.empty() ? "" : ", ") + frame + " (" + std::to_string(scans) + ")";
-    }
-    if (others.empty()) return;
+  /// "scans of /scan in the frame front only, not in rear"
+  void note_other_frame(const std::string& frame) {
+    constexpr std::size_t kMostNotes = 10;
+    if (other_frames_.size() == kMostNotes || !other_frames_.insert(frame).second) return;
     notes_.push_back("scans of " + topics_.scans + " in the frame " + lidar_frame_ +
-                     " only, not in " + others + ": expected one lidar per topic");
+                     " only, not in " + frame + ": expected one lidar per topic");
   }
 
   void take_odometry(const RecordedMessage& message, LogFaults& faults) {
@@ -248,7 +244,6 @@ class BagLog final : public LogSource {
 
   void end() {
     is_at_end_ = true;
-    note_other_frames();
     if (std::string note = separated_.note(); !note.empty()) notes_.push_back(std::move(note));
     if (scan_stamps_.is_empty()) notes_.push_back("its topics are " + list(messages_->topics()));
   }
@@ -313,7 +308,7 @@ class BagLog final : public LogSource {
   SeparatedStamps separated_;
   std::string lidar_frame_;  ///< Of the scans that are taken.
   double lidar_seen_ = 0.0;  ///< When the last of them was recorded [s].
-  std::map<std::string, std::size_t> scans_of_other_frames_;
+  std::set<std::string> other_frames_;
   std::deque<WaitingScan> waiting_;
   double now_ = 0.0;  ///< Of the recording [s].
   bool is_at_end_ = false;
