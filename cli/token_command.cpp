@@ -1,5 +1,6 @@
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,14 @@ Result<storage::TokenStore> open_tokens(const std::string& database) {
   return storage::TokenStore(std::move(*opened));
 }
 
+/// Of a database that is there. Only `create` makes one, before the first start of a server.
+Result<storage::TokenStore> open_known_tokens(const std::string& database) {
+  std::error_code error;
+  if (!storage::is_postgresql(database) && !std::filesystem::exists(database, error))
+    return Error{ErrorCode::kNotFound, "does not exist", database};
+  return open_tokens(database);
+}
+
 int create(const TokenArguments& arguments) {
   Result<storage::TokenStore> tokens = open_tokens(arguments.database);
   if (!tokens) return fail(tokens.error());
@@ -52,7 +61,7 @@ int create(const TokenArguments& arguments) {
 }
 
 int list(const TokenArguments& arguments) {
-  Result<storage::TokenStore> tokens = open_tokens(arguments.database);
+  Result<storage::TokenStore> tokens = open_known_tokens(arguments.database);
   if (!tokens) return fail(tokens.error());
   const auto records = tokens->list();
   if (!records) return fail(records.error());
@@ -69,7 +78,7 @@ int list(const TokenArguments& arguments) {
 }
 
 int revoke(const TokenArguments& arguments) {
-  Result<storage::TokenStore> tokens = open_tokens(arguments.database);
+  Result<storage::TokenStore> tokens = open_known_tokens(arguments.database);
   if (!tokens) return fail(tokens.error());
   const auto removed = tokens->remove(arguments.id);
   return removed ? kDone : fail(removed.error());

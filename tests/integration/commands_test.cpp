@@ -1,6 +1,7 @@
 // `cornerfix token` and `cornerfix load` as programs, against the real server.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "integration/test_server.hpp"
@@ -82,6 +83,13 @@ TEST_F(CommandsTest, TokensAreListedWithoutTheirSecret) {
   EXPECT_THAT(listed.out, HasSubstr("cart-7"));
   EXPECT_THAT(listed.out, HasSubstr("office"));
   EXPECT_THAT(listed.out, Not(HasSubstr(secret)));
+}
+
+TEST_F(CommandsTest, TokensOfNoDatabaseAreNotListedNorRevoked) {
+  const std::string none = (directory_ / "none.db").string();
+  EXPECT_EQ(run({"token", "list", "--db", none}).exit_code, 1);
+  EXPECT_EQ(run({"token", "revoke", "1", "--db", none}).exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(none));
 }
 
 TEST_F(CommandsTest, AWrongRoleOrNameIsWrongUse) {
