@@ -1,6 +1,9 @@
 #include "cli/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 
@@ -18,6 +21,14 @@ std::string unknown_command(const CLI::App& app) {
   const auto words = innermost->remaining();
   const bool needs_command = innermost->get_require_subcommand_min() > 0;
   return needs_command && !words.empty() ? words.front() : std::string();
+}
+
+/// What was printed may not have been written: the disk is full, or the reader is gone.
+int finish_output() {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return kDone;
+  const std::string reason = errno == 0 ? "" : std::string(": ") + std::strerror(errno);
+  return fail({ErrorCode::kUnavailable, "cannot be written" + reason, "standard output"});
 }
 
 }  // namespace
@@ -53,12 +64,12 @@ int run_command_line(int argc, const char* const* argv) {
     }
     return kWrongUse;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kWrongUse;  // --help and --version, too.
+    return app.exit(error) == 0 ? finish_output() : kWrongUse;  // --help and --version, too.
   } catch (const std::exception& error) {
     // No memory left, or an answer of a shape that no Cornerfix server gives.
     return fail({ErrorCode::kInternal, error.what(), ""});
   }
-  return exit_code;
+  return exit_code == kDone ? finish_output() : exit_code;
 }
 
 }  // namespace cornerfix::cli

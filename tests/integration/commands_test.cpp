@@ -1,6 +1,8 @@
 // `cornerfix token` and `cornerfix load` as programs, against the real server.
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -90,6 +92,13 @@ TEST_F(CommandsTest, TokensOfNoDatabaseAreNotListedNorRevoked) {
   EXPECT_EQ(run({"token", "list", "--db", none}).exit_code, 1);
   EXPECT_EQ(run({"token", "revoke", "1", "--db", none}).exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(none));
+}
+
+TEST_F(CommandsTest, OutputThatCannotBeWrittenIsAFailure) {
+  const std::string command =
+      std::string(CORNERFIX_PROGRAM) + " token list --db " + database_ + " > ";
+  EXPECT_EQ(std::system((command + "/dev/null").c_str()), 0);               // NOLINT
+  EXPECT_EQ(WEXITSTATUS(std::system((command + "/dev/full").c_str())), 1);  // NOLINT
 }
 
 TEST_F(CommandsTest, AWrongRoleOrNameIsWrongUse) {
